@@ -153,10 +153,10 @@ static void free_points(stp_context* context, const stp_point_set* points)
     }
 }
 
-static void make_times_finite(double* times, size_t count)
+static void limit_times(double* times, size_t count)
 {
     for (size_t i = 0; times != NULL && i < count; ++i) {
-        times[i] = isfinite(times[i]) ? times[i] : 0.0;
+        times[i] = fabs(times[i]) <= STP_SCENE_TIME_LIMIT ? times[i] : 0.0;
     }
 }
 
@@ -193,7 +193,7 @@ stp_result stp_builder_add_points(stp_builder* builder, const stp_points_desc* g
         return stp_fail_memory(context);
     }
     normalize(points.normals, count);
-    make_times_finite(points.attributes[STP_ATTRIBUTE_TIME], count);
+    limit_times(points.attributes[STP_ATTRIBUTE_TIME], count);
     uint32_t index = 0;
     result = stp_scene_add_point_set(builder->staged, &points, &index);
     return result == STP_OK ? note_part(builder, STP_PART_POINTS, index, part) : result;

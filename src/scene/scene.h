@@ -29,6 +29,9 @@
 #define STP_NONE UINT32_MAX
 /// Maximum bytes of a name or id; longer ones are truncated with a warning
 #define STP_SCENE_TEXT_LIMIT 4064
+/// Maximum distance of a point's time from 0, in any unit: nanoseconds since 1970 stay below. A
+/// difference of two such times is finite.
+#define STP_SCENE_TIME_LIMIT 1e19
 
 typedef enum stp_alpha_mode {
     STP_ALPHA_OPAQUE,

@@ -142,19 +142,21 @@ void test_assimp_failures_are_one_sentence(test_state* test)
 
 void test_assimp_memory_is_limited(test_state* test)
 {
-    static const char text[] = "OFF\n2000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    static const char text[] =
+        "AC3Db\nMATERIAL \"m\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 "
+        "trans 0\nOBJECT poly\nnumvert 22000000\n0 0 0\n";
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     stp_scene* scene;
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
-    stp_import_desc desc = {.helper_memory_bytes = (uint64_t)256 << 20, .helper_seconds = 20};
-    stp_result result = stp_import_memory(scene, "a.off", text, strlen(text), &desc);
+    stp_import_desc desc = {.helper_memory_bytes = (uint64_t)128 << 20, .helper_seconds = 20};
+    stp_result result = stp_import_memory(scene, "a.ac", text, strlen(text), &desc);
     CHECK(result != STP_OK);
     CHECK_EQUAL(1, log.errors);
     if (strstr(log.text, "gave up") == NULL) { // a sanitizer's allocator ends the child
         CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, result);
-        CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "memory_limit_bytes") != NULL);
-        CHECK(strstr(log.text, "268435456") != NULL); // the original limit
+        CHECK(strstr(log.text, "a.ac") != NULL && strstr(log.text, "memory_limit_bytes") != NULL);
+        CHECK(strstr(log.text, "134217728") != NULL); // the original limit
     }
     stp_scene_destroy(scene);
     stp_context_destroy(context);

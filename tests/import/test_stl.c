@@ -120,15 +120,12 @@ void test_stl_bad_input_is_one_sentence(test_state* test)
 {
     unsigned char bytes[512];
     size_t size = make_binary(bytes, "x");
-    unsigned char many[512], not_finite[512];
+    unsigned char many[512];
     memcpy(many, bytes, size);
     stp_write_u32(many + 80, 0xffffffff);
-    memcpy(not_finite, bytes, size);
-    stp_write_f32(not_finite + 84 + 50 + 12, (float)NAN);
     static const char two[] = "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid\n";
     static const char within[] = "solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nsolid b\n";
     static const char word[] = "solid\nfacet\nvertex 0 0 zero\n";
-    static const char infinite[] = "solid\nfacet\nvertex 0 0 0\nvertex 0 0 1e99\n";
     const struct {
         const void* bytes;
         size_t size;
@@ -139,11 +136,9 @@ void test_stl_bad_input_is_one_sentence(test_state* test)
         {bytes, 83, STP_ERROR_TRUNCATED, "shorter"},
         {bytes, size - 1, STP_ERROR_TRUNCATED, "after 3"},
         {many, size, STP_ERROR_TRUNCATED, "4294967295"},
-        {not_finite, size, STP_ERROR_FORMAT, "facet 2"},
         {two, strlen(two), STP_ERROR_FORMAT, "line 5"},
         {within, strlen(within), STP_ERROR_FORMAT, "line 5"},
         {word, strlen(word), STP_ERROR_FORMAT, "line 3"},
-        {infinite, strlen(infinite), STP_ERROR_FORMAT, "line 4"},
         {two, 24, STP_ERROR_TRUNCATED, "within a facet"},
     };
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {

@@ -104,7 +104,8 @@ void stp_file_expect_random(const stp_mapped_file* file)
 void stp_file_evict(const stp_mapped_file* file)
 {
     if (file->bytes != NULL) { // posix_madvise would do nothing
-        (void)madvise((void*)(uintptr_t)file->bytes, file->size, MADV_DONTNEED);
+        size_t before = (uintptr_t)file->bytes % (size_t)sysconf(_SC_PAGESIZE);
+        (void)madvise((void*)((uintptr_t)file->bytes - before), file->size + before, MADV_DONTNEED);
     }
 }
 

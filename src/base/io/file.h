@@ -30,7 +30,7 @@ size_t stp_file_peek(const char* path, void* bytes, size_t size);
 /// Announces random access to a small part of the file: disables read-ahead.
 void stp_file_expect_random(const stp_mapped_file* file);
 /// Drops the file's pages from memory. The mapping stays valid; pages are read again when needed.
-/// Any thread, also while others read.
+/// Any thread, also while others read. `file` may be the end of a mapped one.
 void stp_file_evict(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 

@@ -165,6 +165,8 @@ static void put_axes(stp_assimp_writer* w, const char* path)
         up = 'z';
         unit = 0.001;
     } else if (has_extension(path, " dxf ")) {
+        up = STP_ASSIMP_TURNED_Z;
+    } else if (has_extension(path, " blend ")) {
         up = 'z';
     }
     stp_assimp_put_u32(w, up);

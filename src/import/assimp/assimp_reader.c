@@ -195,7 +195,11 @@ static stp_result read_axes(stp_assimp_reader* r)
     }
     char asked = r->import->desc.up != 0 ? r->import->desc.up : 'y';
     bool sane = unit > 0.0 && unit < 1e9;
-    stp_import_set_axes(r->import, up == 'y' || up == 'z' ? (char)up : asked, sane ? unit : 0.0);
+    char axis = up == 'y' || up == STP_ASSIMP_TURNED_Z ? 'y' : up == 'z' ? 'z' : asked;
+    stp_import_set_axes(r->import, axis, sane ? unit : 0.0);
+    if (up == STP_ASSIMP_TURNED_Z && r->import->root == 0) {
+        r->import->scene->up = "z"; // the file's
+    }
     return STP_OK;
 }
 

@@ -18,7 +18,8 @@ typedef struct stp_assimp_reader {
     uint32_t material_count;
     stp_part* parts; ///< part of each mesh; index STP_NONE: nothing
     uint32_t mesh_count;
-    uint32_t* objects; ///< object of each node
+    uint32_t* objects;  ///< object of each node
+    double coarse_step; ///< largest step of the coordinates of meshes far from the origin; 0: none
 } stp_assimp_reader;
 
 /// Logs that `what` is invalid. @return STP_ERROR_FORMAT

@@ -3,7 +3,12 @@
 #include "import/assimp/assimp_reader.h"
 
 #include <assert.h>
+#include <float.h>
+#include <math.h>
 #include <string.h>
+
+#define FAR_MESH 128.0         ///< a mesh is far if its size is less than this part of its distance
+#define FAR_COORDINATE 65536.0 ///< coordinates below this keep their digits
 
 static void free_mesh(stp_context* context, const stp_mesh* mesh)
 {
@@ -28,6 +33,27 @@ static void repair_attributes(const stp_mesh* mesh)
             float* value = &mesh->texcoords[set][i];
             *value = isfinite(*value) ? *value : 0.0f;
         }
+    }
+}
+
+// assimp stores coordinates as floats, which have too few digits for small meshes far from the
+// origin. Notes the largest step of their coordinates.
+static void note_precision(stp_assimp_reader* r, const stp_mesh* mesh)
+{
+    stp_box box = stp_box_empty();
+    for (size_t i = 0; i < mesh->vertex_count; ++i) {
+        const float* p = mesh->positions + 3 * i;
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    const double low[3] = {(double)box.min.x, (double)box.min.y, (double)box.min.z};
+    const double high[3] = {(double)box.max.x, (double)box.max.y, (double)box.max.z};
+    double size = 0.0, farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        size = fmax(size, high[axis] - low[axis]);
+        farthest = fmax(farthest, fmax(fabs(low[axis]), fabs(high[axis])));
+    }
+    if (size < farthest / FAR_MESH && farthest > FAR_COORDINATE && farthest < 1e15) {
+        r->coarse_step = fmax(r->coarse_step, farthest * (double)FLT_EPSILON);
     }
 }
 
@@ -62,6 +88,7 @@ static stp_result read_arrays(stp_assimp_reader* r, const stp_assimp_mesh* head,
         }
     }
     repair_attributes(mesh);
+    note_precision(r, mesh);
     return STP_OK;
 }
 
@@ -147,6 +174,12 @@ stp_result stp_assimp_read_meshes(stp_assimp_reader* r)
         if (result != STP_OK) {
             return result;
         }
+    }
+    if (r->coarse_step > 0.0) {
+        stp_warn(r->context,
+                 "%s: assimp reads coordinates as floats: those far from the origin are rounded to "
+                 "about %.2g units",
+                 r->import->path, r->coarse_step);
     }
     return STP_OK;
 }

@@ -26,6 +26,8 @@
 #define STP_ASSIMP_SCENE UINT32_C(0x4e454353)
 #define STP_ASSIMP_FAILED UINT32_C(0x4c494146)
 #define STP_ASSIMP_END UINT32_C(0x21444e45)
+/// Instead of an axis: assimp has turned the file's z up to y
+#define STP_ASSIMP_TURNED_Z UINT32_C(0x5a)
 #define STP_ASSIMP_TEXT_LIMIT UINT32_C(4096)
 
 typedef enum stp_assimp_source {

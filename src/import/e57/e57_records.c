@@ -17,17 +17,20 @@ enum { RUN = 2048, BYTES = RUN * 8 + 16 };
 
 #define RELEASE_EVERY 512 ///< runs, after which pages are released
 
-// Buffers into which a worker reads a run.
+// Buffers into which a worker reads a run, and the values that it has seen.
 typedef struct buffers {
     double values[STP_E57_SLOTS][RUN];
     unsigned char bytes[BYTES];
+    double low[STP_E57_SLOTS], high[STP_E57_SLOTS]; ///< of fields without limits
+    uint64_t not_finite;                            ///< valid records without a finite position
 } buffers;
 
 typedef struct reader {
     const stp_e57* e57;
     const stp_e57_scan* scan;
     stp_cloud cloud;
-    buffers* rooms;               ///< one per worker
+    buffers* rooms;                            ///< one per worker
+    stp_intensity_range limits[STP_E57_SLOTS]; ///< of intensities and colours
     atomic_uint_least32_t* cells; ///< first record of each grid cell, or STP_NONE; NULL: no grid
 } reader;
 
@@ -112,9 +115,8 @@ static void store_colors(const reader* r, size_t first, size_t count, const buff
 {
     uint8_t* out = r->cloud.set.colors + 4 * first;
     for (int channel = 0; channel < 3; ++channel) {
-        const stp_e57_field* f = &r->scan->fields[STP_E57_RED + channel];
-        double low = f->low < f->high ? f->low : 0.0, high = f->low < f->high ? f->high : 255.0;
-        double factor = 255.0 / (high - low);
+        double low = r->limits[STP_E57_RED + channel].low;
+        double factor = 255.0 / (r->limits[STP_E57_RED + channel].high - low);
         const double* values = room->values[STP_E57_RED + channel];
         for (size_t i = 0; i < count; ++i) {
             out[4 * i + (size_t)channel] = (uint8_t)stp_quantize((values[i] - low) * factor, 255.0);
@@ -132,8 +134,7 @@ static void store_colors(const reader* r, size_t first, size_t count, const buff
 static void store_intensities(const reader* r, size_t first, size_t count, const buffers* room)
 {
     uint16_t* out = (uint16_t*)r->cloud.set.attributes[STP_ATTRIBUTE_INTENSITY] + first;
-    const stp_e57_field* f = &r->scan->fields[STP_E57_INTENSITY];
-    stp_intensity_range range = {f->low < f->high ? f->low : 0.0, f->low < f->high ? f->high : 1.0};
+    stp_intensity_range range = r->limits[STP_E57_INTENSITY];
     double factor = stp_intensity_factor(range);
     bool may_fail = has(r, STP_E57_INTENSITY_INVALID);
     for (size_t i = 0; i < count; ++i) {
@@ -172,7 +173,7 @@ static void store_cells(const reader* r, size_t first, size_t count, const buffe
     }
 }
 
-static void store_run(const reader* r, size_t first, size_t count, const buffers* room)
+static void store_run(const reader* r, size_t first, size_t count, buffers* room)
 {
     assert(count <= RUN && first + count <= r->cloud.set.point_count);
     void* const* attributes = r->cloud.set.attributes;
@@ -182,7 +183,7 @@ static void store_run(const reader* r, size_t first, size_t count, const buffers
         if (has(r, STP_E57_INVALID) && room->values[STP_E57_INVALID][i] != 0.0) {
             stp_cloud_leave_empty(&r->cloud, first + i);
         } else {
-            (void)stp_cloud_place(&r->cloud, first + i, place);
+            room->not_finite += !stp_cloud_place(&r->cloud, first + i, place);
         }
     }
     if (has(r, STP_E57_NX) && has(r, STP_E57_NY) && has(r, STP_E57_NZ)) {
@@ -223,6 +224,50 @@ static void read_run(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+static bool has_limits(const stp_e57_field* f)
+{
+    return f->low < f->high;
+}
+
+static void measure_run(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    reader* r = user;
+    buffers* room = &r->rooms[worker];
+    for (int slot = STP_E57_INTENSITY; slot <= STP_E57_BLUE; ++slot) {
+        if (!has(r, (stp_e57_slot)slot) || has_limits(&r->scan->fields[slot])) {
+            continue;
+        }
+        read_field(r, (stp_e57_slot)slot, begin, end - begin, room);
+        for (size_t i = 0; i < end - begin; ++i) {
+            stp_range_add(room->values[slot][i], &room->low[slot], &room->high[slot]);
+        }
+    }
+}
+
+// Limits of intensities and colours: those of the file, else by the values of all records.
+static void find_limits(reader* r)
+{
+    stp_context* context = r->cloud.import->context;
+    double low[STP_E57_SLOTS], high[STP_E57_SLOTS], bright = -(double)INFINITY;
+    stp_parallel_for(context, (size_t)r->scan->record_count, RUN, measure_run, r);
+    for (int slot = STP_E57_INTENSITY; slot <= STP_E57_BLUE; ++slot) {
+        low[slot] = (double)INFINITY;
+        high[slot] = -(double)INFINITY;
+        for (uint32_t i = 0; i < stp_context_thread_count(context); ++i) {
+            low[slot] = fmin(low[slot], r->rooms[i].low[slot]);
+            high[slot] = fmax(high[slot], r->rooms[i].high[slot]);
+        }
+        bright = slot >= STP_E57_RED ? fmax(bright, high[slot]) : bright;
+    }
+    for (int slot = STP_E57_INTENSITY; slot <= STP_E57_BLUE; ++slot) {
+        const stp_e57_field* f = &r->scan->fields[slot];
+        stp_intensity_range guessed =
+            slot >= STP_E57_RED ? (stp_intensity_range){0.0, stp_color_white(bright, f->is_float)}
+                                : stp_intensity_find_range(low[slot], high[slot]);
+        r->limits[slot] = has_limits(f) ? (stp_intensity_range){f->low, f->high} : guessed;
+    }
+}
+
 // The first valid position chooses the origin.
 static void set_origin(reader* r)
 {
@@ -252,6 +297,21 @@ static uint32_t list_attributes(const reader* r)
            (uint32_t)has(r, STP_E57_RETURN) << STP_ATTRIBUTE_RETURN |
            (uint32_t)has(r, STP_E57_RETURNS) << STP_ATTRIBUTE_RETURNS |
            (uint32_t)has(r, STP_E57_TIME) << STP_ATTRIBUTE_TIME;
+}
+
+static stp_result create_rooms(reader* r)
+{
+    stp_context* context = r->cloud.import->context;
+    uint32_t workers = stp_context_thread_count(context);
+    r->rooms = STP_NEW_ARRAY(context, buffers, workers);
+    for (uint32_t i = 0; i < workers && r->rooms != NULL; ++i) {
+        r->rooms[i].not_finite = 0;
+        for (int slot = 0; slot < STP_E57_SLOTS; ++slot) {
+            r->rooms[i].low[slot] = (double)INFINITY;
+            r->rooms[i].high[slot] = -(double)INFINITY;
+        }
+    }
+    return r->rooms != NULL ? STP_OK : stp_fail_memory(context);
 }
 
 static stp_result create_cells(reader* r)
@@ -298,17 +358,17 @@ static stp_result read_cloud(reader* r, uint32_t number)
                                              has(r, STP_E57_BLUE),
                                    .attributes = list_attributes(r)};
     stp_result result = stp_cloud_create(&r->cloud, import, scan->record_count, &desc);
-    if (result == STP_OK) {
-        r->rooms =
-            STP_NEW_ARRAY(import->context, buffers, stp_context_thread_count(import->context));
-        result = r->rooms != NULL ? STP_OK : stp_fail_memory(import->context);
-    }
+    result = result == STP_OK ? create_rooms(r) : result;
     result = result == STP_OK && grid ? create_cells(r) : result;
     if (result != STP_OK) {
         return result;
     }
     set_origin(r);
+    find_limits(r);
     stp_parallel_for(import->context, (size_t)scan->record_count, RUN, read_run, r);
+    for (uint32_t i = 0; i < stp_context_thread_count(import->context); ++i) {
+        stp_losses_add(&import->losses, STP_LOSS_POINT, r->rooms[i].not_finite);
+    }
     result = grid ? add_grid_normals(r) : STP_OK;
     char name[32];
     snprintf(name, sizeof(name), "scan %u", number);

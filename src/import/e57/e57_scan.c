@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#define UNBOUNDED 1e30 ///< writers use the largest float for a value without limits
+
 typedef struct slot_name {
     const char* name;
     stp_e57_slot slot;
@@ -91,7 +93,8 @@ static bool read_field(const stp_e57_node* node, stp_e57_field* f)
         double low, high;
         f->is_float = true;
         f->bits = single ? 32 : 64;
-        if (stp_e57_number(minimum, &low) && stp_e57_number(maximum, &high)) {
+        bool bounded = stp_e57_number(minimum, &low) && stp_e57_number(maximum, &high);
+        if (bounded && low > -UNBOUNDED && high < UNBOUNDED) {
             f->low = low;
             f->high = high;
         }

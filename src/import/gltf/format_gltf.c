@@ -26,12 +26,34 @@ static const char* const known_extensions[] = {
     NULL,
 };
 
+// Extensions that only change how a scene looks, lights it or describes it: a file that requires one
+// is read without it, with a warning. So are all names that begin with "KHR_materials_".
+static const char* const looks_extensions[] = {
+    "KHR_lights_punctual",
+    "KHR_texture_basisu",
+    "KHR_animation_pointer",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "EXT_lights_ies",
+    "EXT_lights_image_based",
+    "EXT_texture_avif",
+    "EXT_mesh_features",
+    "EXT_mesh_manifold",
+    "EXT_instance_features",
+    "EXT_structural_metadata",
+    "CESIUM_primitive_outline",
+    "MSFT_texture_dds",
+    "MSFT_packing_normalRoughnessMetallic",
+    "MSFT_packing_occlusionRoughnessMetallic",
+    NULL,
+};
+
 static bool detect(const unsigned char* bytes, size_t size)
 {
     if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
         return true;
     }
-    size_t at = size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    size_t at = 0;
     while (at < size &&
            (bytes[at] == ' ' || bytes[at] == '\t' || bytes[at] == '\r' || bytes[at] == '\n')) {
         at += 1;
@@ -200,13 +222,22 @@ static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
     return STP_OK;
 }
 
+static bool is_one_of(const char* const* names, const char* extension)
+{
+    while (*names != NULL && strcmp(*names, extension) != 0) {
+        names += 1;
+    }
+    return *names != NULL;
+}
+
 static bool is_known(const char* extension)
 {
-    const char* const* known = known_extensions;
-    while (*known != NULL && strcmp(*known, extension) != 0) {
-        known += 1;
-    }
-    return *known != NULL;
+    return is_one_of(known_extensions, extension);
+}
+
+static bool affects_only_looks(const char* extension)
+{
+    return strncmp(extension, "KHR_materials_", 14) == 0 || is_one_of(looks_extensions, extension);
 }
 
 static bool is_listed(const json_t* list, const char* extension)
@@ -232,7 +263,9 @@ static stp_result check_extensions(stp_gltf_scope* scope, const stp_gltf* gltf)
     }
     for (size_t i = 0; i < json_array_size(required); ++i) {
         const char* name = json_string_value(json_array_get(required, i));
-        if (name == NULL || !is_known(name)) {
+        if (name != NULL && !is_known(name) && affects_only_looks(name)) {
+            stp_losses_add_extension(&gltf->import->losses, name);
+        } else if (name == NULL || !is_known(name)) {
             return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
                                  "it requires the extension %.100s, which is not supported",
                                  name != NULL ? name : "(no text)");

@@ -217,7 +217,15 @@ static stp_result open_image(stp_gltf_scope* scope, uint32_t index, image_state*
     return open_external(scope, uri, image);
 }
 
-// Opens a picture and reads its header. An unsupported picture is skipped.
+// Leaves out a picture that cannot be read: a model is of use without it.
+static void skip_image(stp_gltf_scope* scope, image_state* image)
+{
+    stp_gltf_warn(scope, "%s, and is left out", image->info.reason);
+    drop_bytes(image, scope->gltf->context);
+    image->info.width = image->info.height = 0;
+}
+
+// Opens a picture and reads its header. An unsupported or damaged picture is skipped.
 static stp_result measure_image(stp_gltf_scope* scope, uint32_t index, image_state* image)
 {
     stp_gltf_set_place(scope, "images[%u]", index);
@@ -226,14 +234,11 @@ static stp_result measure_image(stp_gltf_scope* scope, uint32_t index, image_sta
         return result;
     }
     result = stp_image_measure(image->bytes, image->size, &image->info);
-    if (result == STP_ERROR_UNSUPPORTED) {
-        stp_gltf_warn(scope, "%s, and is left out", image->info.reason);
-        drop_bytes(image, scope->gltf->context);
+    if (result != STP_OK && result != STP_ERROR_OUT_OF_MEMORY) {
+        skip_image(scope, image);
         result = STP_OK;
     }
-    return result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY
-               ? result
-               : stp_gltf_fail(scope, result, "%s", image->info.reason);
+    return result;
 }
 
 typedef struct decode_loop {
@@ -292,19 +297,22 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
 }
 
 // Decodes the pictures of requests [begin, end).
-static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, size_t begin,
-                                size_t end)
+static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, stp_gltf* gltf,
+                                size_t begin, size_t end)
 {
     assert(begin < end && end <= textures->request_count);
     decode_loop loop = {scope->gltf->context, textures, begin};
     stp_parallel_for(loop.context, end - begin, 1, decode_job, &loop);
     for (size_t i = begin; i < end; ++i) {
-        const image_state* image = &textures->images[textures->requests[i].image];
+        image_state* image = &textures->images[textures->requests[i].image];
+        if (image->result == STP_ERROR_OUT_OF_MEMORY) {
+            return image->result;
+        }
         if (image->result != STP_OK) {
-            stp_gltf_set_place(scope, "images[%u]", textures->requests[i].image);
-            return image->result == STP_ERROR_OUT_OF_MEMORY
-                       ? image->result
-                       : stp_gltf_fail(scope, image->result, "%s", image->info.reason);
+            stp_gltf_scope own = stp_gltf_scope_begin(gltf);
+            stp_gltf_set_place(&own, "images[%u]", textures->requests[i].image);
+            skip_image(&own, image);
+            image->result = stp_gltf_scope_end(&own, STP_OK); // copies of it do not warn again
         }
     }
     return STP_OK;
@@ -370,7 +378,7 @@ stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* text
     stp_result result = measure_images(scope, textures, gltf);
     for (size_t begin = 0; result == STP_OK && begin < textures->request_count;) {
         size_t end = end_batch(gltf, textures, begin);
-        result = decode_images(scope, textures, begin, end);
+        result = decode_images(scope, textures, gltf, begin, end);
         for (; result == STP_OK && begin < end; ++begin) {
             result = add_texture(scope, textures, &textures->requests[begin], gltf);
         }

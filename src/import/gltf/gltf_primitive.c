@@ -173,6 +173,7 @@ static stp_result read_mesh_colors(stp_gltf_scope* scope, const stp_gltf_vertice
     return mesh->colors != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
 }
 
+// Colours of points replace the one of their material, so they contain its factor.
 static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertices* vertices,
                                     stp_point_set* points)
 {
@@ -185,14 +186,15 @@ static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertic
     }
     assert(components == 3 || components == 4);
     size_t count = vertices->selection.count;
+    const float* base = scope->gltf->import->scene->materials[points->material].base_color;
     points->colors = STP_NEW_ARRAY(context, uint8_t, count * 4);
     for (size_t i = 0; points->colors != NULL && i < count; ++i) {
         uint8_t* out = points->colors + 4 * i;
         for (size_t c = 0; c < 3; ++c) {
-            out[c] = stp_linear_to_srgb8(to_unit(colors[i * components + c]));
+            out[c] = stp_linear_to_srgb8(to_unit(colors[i * components + c] * base[c]));
         }
         float alpha = components < 4 ? 1.0f : to_unit(colors[i * components + 3]);
-        float scaled = alpha * 255.0f + 0.5f;
+        float scaled = to_unit(alpha * base[3]) * 255.0f + 0.5f;
         out[3] = (uint8_t)scaled;
     }
     stp_free(context, colors);

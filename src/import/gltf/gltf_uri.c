@@ -4,10 +4,11 @@
 
 #include <assert.h>
 #include <string.h>
+#include <strings.h>
 
 bool stp_gltf_uri_is_data(const char* uri)
 {
-    return strncmp(uri, "data:", 5) == 0;
+    return strncasecmp(uri, "data:", 5) == 0; // schemes have no case (RFC 3986, 3.1)
 }
 
 static int hexadecimal(char c)
@@ -80,7 +81,7 @@ stp_result stp_gltf_uri_decode(stp_gltf_scope* scope, const char* uri, unsigned 
     }
     const char* text = comma + 1;
     size_t length = strlen(text);
-    bool is_base64 = comma - uri >= 7 && memcmp(comma - 7, ";base64", 7) == 0;
+    bool is_base64 = comma - uri >= 7 && strncasecmp(comma - 7, ";base64", 7) == 0;
     unsigned char* out = stp_alloc(scope->gltf->context, length + 1);
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;

@@ -15,6 +15,7 @@ enum {
     KEY_SIZE = 8,
     MODEL_TYPE = 1024,
     MODEL_GEOGRAPHIC = 2,
+    MODEL_GEOCENTRIC = 3,
     GEOGRAPHIC_CODE = 2048,
     PROJECTED_CODE = 3072,
     LINEAR_UNIT = 3076,
@@ -105,6 +106,12 @@ static bool code_is_metric(unsigned code)
            (code >= 25828 && code <= 25838) || (code >= 26901 && code <= 26923) || code == 3857;
 }
 
+// Axes in metres from the centre of the Earth: WGS 84 and ETRS89.
+static bool code_is_geocentric(unsigned code)
+{
+    return code == 4978 || code == 4936;
+}
+
 static stp_result read_keys(const stp_las* las, coordinate_system* s)
 {
     enum { CODE_SIZE = 16 };
@@ -115,15 +122,18 @@ static stp_result read_keys(const stp_las* las, coordinate_system* s)
     unsigned projected = find_key(&keys, PROJECTED_CODE);
     unsigned geographic = find_key(&keys, GEOGRAPHIC_CODE);
     unsigned linear = find_key(&keys, LINEAR_UNIT);
+    unsigned model = find_key(&keys, MODEL_TYPE);
+    bool geocentric = model == MODEL_GEOCENTRIC || code_is_geocentric(projected) ||
+                      (projected == 0 && code_is_geocentric(geographic));
     s->units.geographic =
-        find_key(&keys, MODEL_TYPE) == MODEL_GEOGRAPHIC || (projected == 0 && geographic != 0);
+        !geocentric && (model == MODEL_GEOGRAPHIC || (projected == 0 && geographic != 0));
     s->units.horizontal = unit_of_code(linear);
     s->units.vertical = unit_of_code(find_key(&keys, VERTICAL_UNIT));
     if (linear == USER_DEFINED) {
         double size = find_number(las, &keys, LINEAR_SIZE);
         s->units.horizontal = size > 1e-6 && size < 1e6 ? size : 0.0;
     }
-    if (linear == 0 && code_is_metric(projected)) {
+    if (linear == 0 && (geocentric || code_is_metric(projected))) {
         s->units.horizontal = 1.0;
     }
     unsigned code = projected != 0 ? projected : geographic;

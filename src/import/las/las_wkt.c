@@ -5,6 +5,7 @@
 #include "import/reading/text.h"
 
 #include <assert.h>
+#include <string.h>
 
 enum { MAX_DEPTH = 32 };
 
@@ -15,7 +16,8 @@ typedef enum word_kind {
     HORIZONTAL,
     VERTICAL,
     GEOGRAPHIC,
-    GEODETIC, ///< geographic, unless its axes are Cartesian
+    GEODETIC,   ///< geographic, unless its axes are Cartesian
+    GEOCENTRIC, ///< Cartesian axes from the centre of the Earth
     COMPOUND
 } word_kind;
 
@@ -34,7 +36,7 @@ static word_kind kind_of_word(stp_text at, stp_text end)
         {"local_cs", HORIZONTAL},
         {"engcrs", HORIZONTAL},
         {"engineeringcrs", HORIZONTAL},
-        {"geoccs", HORIZONTAL},
+        {"geoccs", GEOCENTRIC},
         {"vert_cs", VERTICAL},
         {"vertcs", VERTICAL},
         {"vertcrs", VERTICAL},
@@ -71,25 +73,46 @@ static stp_text skip_quoted(stp_text at, stp_text end)
     return at < end ? at + 1 : end;
 }
 
-// "name", factor
+static bool contains(stp_text at, stp_text end, const char* word)
+{
+    for (size_t length = strlen(word); (size_t)(end - at) >= length; ++at) {
+        if (stp_word_is(at, at + length, word)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Metres of a foot by its name; 1 for other units.
+static double foot_named(stp_text at, stp_text end)
+{
+    bool foot = contains(at, end, "foot") || contains(at, end, "feet") || contains(at, end, "ft");
+    return !foot ? 1.0 : contains(at, end, "us") ? 1200.0 / 3937.0 : 0.3048;
+}
+
+// "name", factor. Some files give feet the factor 1; then the name is right.
 static double read_factor(stp_text at, stp_text end)
 {
     double value;
     while (at < end && *at != '"') {
         at += 1;
     }
+    stp_text name = at;
     at = at < end ? skip_quoted(at, end) : end;
+    double named = foot_named(name, at);
     while (at < end && (stp_is_blank(*at) || *at == ',' || *at == '\n')) {
         at += 1;
     }
     bool good = at < end && stp_read_number(at, &value) != NULL;
-    return good && value > 1e-6 && value < 1e6 ? value : 0.0;
+    value = good && value == 1.0 ? named : good ? value : 0.0;
+    return value > 1e-6 && value < 1e6 ? value : 0.0;
 }
 
 typedef struct scanner {
     word_kind stack[MAX_DEPTH];
     int depth;
-    bool cartesian, geodetic;
+    bool cartesian, geodetic, geocentric;
+    double length; ///< the unit of a geodetic or geocentric system
     stp_las_units units;
 } scanner;
 
@@ -102,7 +125,10 @@ static void open_word(scanner* s, word_kind kind, stp_text at, stp_text end)
         s->units.horizontal = read_factor(at, end);
     } else if (kind == UNIT && owner == VERTICAL) {
         s->units.vertical = read_factor(at, end);
+    } else if (kind == UNIT && (owner == GEODETIC || owner == GEOCENTRIC)) {
+        s->length = read_factor(at, end);
     }
+    s->geocentric = s->geocentric || (kind == GEOCENTRIC && parent == COMPOUND);
     s->units.geographic = s->units.geographic || (kind == GEOGRAPHIC && parent == COMPOUND);
     s->geodetic = s->geodetic || (kind == GEODETIC && parent == COMPOUND);
     s->stack[s->depth++] = kind;
@@ -134,5 +160,8 @@ stp_las_units stp_las_wkt_units(const char* text, size_t size)
         }
     }
     s.units.geographic = s.units.geographic || (s.geodetic && !s.cartesian);
+    if ((s.geocentric || (s.geodetic && s.cartesian)) && s.units.horizontal == 0.0) {
+        s.units.horizontal = s.length > 0.0 ? s.length : 1.0;
+    }
     return s.units;
 }

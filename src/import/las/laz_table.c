@@ -122,6 +122,7 @@ static stp_result read_vlr(stp_las* las, compression* c)
     unsigned coder = stp_read_u16(vlr.bytes + 2);
     c->compressor = stp_read_u16(vlr.bytes);
     c->chunk_size = stp_read_u32(vlr.bytes + 12);
+    c->chunk_size = c->chunk_size != 0 ? c->chunk_size : VARIABLE; // as LASzip reads it
     if (vlr.size < VLR_SIZE + count * ITEM_SIZE) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
                         "%s: the VLR of its compression is too short for its %zu items", path,

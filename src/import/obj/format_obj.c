@@ -16,8 +16,11 @@ static char* name_end(char* at)
 {
     for (; *at != '\0'; ++at) {
         if (at[0] == '.' && (at[1] | 0x20) == 'm' && (at[2] | 0x20) == 't' &&
-            (at[3] | 0x20) == 'l' && (at[4] == ' ' || at[4] == '\t' || at[4] == '\0')) {
-            return at + 4;
+            (at[3] | 0x20) == 'l') {
+            char* end = at + 4 + (at[4] == '"');
+            if (*end == ' ' || *end == '\t' || *end == '\0') {
+                return end;
+            }
         }
     }
     return at;
@@ -34,8 +37,13 @@ static void join_escaped(char* names)
     *out = '\0';
 }
 
-static stp_result read_library(stp_obj* obj, const char* name)
+static stp_result read_library(stp_obj* obj, char* name)
 {
+    size_t length = strlen(name);
+    if (length >= 2 && name[0] == '"' && name[length - 1] == '"') {
+        name[length - 1] = '\0';
+        name += 1;
+    }
     uint32_t fresh = (uint32_t)obj->libraries.count, known;
     stp_result result = stp_lookup_add(&obj->libraries, name, strlen(name), fresh, &known);
     if (result != STP_OK || known != fresh) {

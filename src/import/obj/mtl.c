@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Material libraries of OBJ files. Colours are treated as sRGB; `Ns` is converted to a roughness,
-// `d` and `map_d` to transparency; the physical extension (Pm, Pr) has priority. Everything else,
-// such as `illum` and the specular colour, is ignored.
+// `d` and `map_d` to transparency; the physical extension (Pm, Pr) has priority. `Tr` is 1 - d, but
+// MeshLab, OpenMVS and others write `Tr 1` for opaque materials, so that alone hides nothing, and `d`
+// has priority. Everything else, such as `illum` and the specular colour, is ignored.
 #include "import/obj/obj.h"
 #include "import/reading/surface.h"
 
@@ -19,6 +20,8 @@ typedef struct mtl {
     const char* name;      ///< NULL before the first `newmtl`
     const char* alpha_map; ///< file name from map_d
     bool has_roughness;
+    bool has_opacity;   ///< the material has `d`
+    float transparency; ///< of `Tr`; negative: none
 } mtl;
 
 // A file name and its options.
@@ -97,6 +100,10 @@ static stp_result copy_rest(mtl* m, stp_text at, const char** text)
     stp_text end = memchr(at, '\n', (size_t)(m->end - at));
     while (end > at && stp_is_blank(end[-1])) {
         --end;
+    }
+    if (end - at >= 2 && *at == '"' && end[-1] == '"') {
+        at += 1;
+        end -= 1;
     }
     size_t length = (size_t)(end - at);
     *text = stp_arena_copy_text(&m->import->scene->text, (const char*)at,
@@ -194,6 +201,9 @@ static stp_result end_material(mtl* m)
         return result;
     }
     stp_material* material = &m->material;
+    if (!m->has_opacity && m->transparency >= 0.0f && m->transparency < 1.0f) {
+        material->base_color[3] = 1.0f - m->transparency;
+    }
     if (material->base_color[3] < 1.0f && material->alpha_mode == STP_ALPHA_OPAQUE) {
         material->alpha_mode = STP_ALPHA_BLEND;
     }
@@ -208,7 +218,8 @@ static stp_result begin_material(mtl* m, stp_text at)
     stp_result result = end_material(m);
     m->material = stp_material_plain();
     m->alpha_map = NULL;
-    m->has_roughness = false;
+    m->has_roughness = m->has_opacity = false;
+    m->transparency = -1.0f;
     return result == STP_OK ? copy_rest(m, at, &m->name) : result;
 }
 
@@ -224,8 +235,9 @@ static void read_numbers(mtl* m, stp_text at, stp_text word)
     float unit = stp_clamp(value, 0.0f, 1.0f);
     if (stp_word_is(at, word, "d")) {
         material->base_color[3] = unit;
+        m->has_opacity = true;
     } else if (stp_word_is(at, word, "tr")) {
-        material->base_color[3] = 1.0f - unit;
+        m->transparency = unit;
     } else if (stp_word_is(at, word, "pm")) {
         material->metallic = unit;
     } else if (stp_word_is(at, word, "pr")) {
@@ -280,12 +292,17 @@ static stp_result read_lines(mtl* m, stp_text at)
 stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,
                          stp_lookup* names)
 {
-    unsigned char* text = stp_alloc(import->context, size + 1);
+    size_t mark = stp_text_mark(bytes, size);
+    unsigned char* text = stp_alloc(import->context, size - mark + 1);
     if (text == NULL) {
         return stp_fail_memory(import->context);
     }
+    size -= mark;
     if (size != 0) {
-        memcpy(text, bytes, size);
+        memcpy(text, bytes + mark, size);
+        if (stp_whole_lines(text, size) == 0) {
+            stp_text_end_lines(text, size);
+        }
     }
     text[size] = '\n';
     mtl m = {.import = import,

@@ -106,6 +106,8 @@ typedef struct stp_obj {
     size_t point_count;
     float color_scale; ///< 1, or 1/255 if colours were written as bytes
     bool has_colors;
+    const char* unknown_material; ///< the first name that no library defines
+    size_t unknown_count;
 
     stp_obj_array groups, meshes, runs; ///< stp_obj_group, stp_obj_mesh, stp_obj_run
     stp_lookup group_names, mesh_keys, material_names, libraries;

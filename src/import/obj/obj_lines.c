@@ -102,10 +102,7 @@ static stp_text read_position(parser* p, stp_text line, stp_text at)
         return NULL;
     }
     for (int i = 0; i < 3; ++i) {
-        position[i] = (float)(n[i] - p->origin[i]);
-        if (!isfinite(position[i])) {
-            return fail(p, line, "a coordinate is not finite");
-        }
+        position[i] = (float)(n[i] - p->origin[i]); // if not finite, the scene drops its faces
     }
     p->chunk->positions.count += 1;
     if (count >= 6 || p->chunk->colors.count != 0) {
@@ -172,6 +169,16 @@ static inline stp_text read_index(stp_text at, size_t count, uint32_t* out, bool
     return at;
 }
 
+// As read_index, for texture coordinates and normals: some programs write 0 for none.
+static inline stp_text read_optional_index(stp_text at, size_t count, uint32_t* out, bool* good)
+{
+    if (at[0] == '0' && !stp_is_digit(at[1])) {
+        *out = STP_OBJ_ABSENT;
+        return at + 1;
+    }
+    return read_index(at, count, out, good);
+}
+
 // "p", "p/t", "p//n" or "p/t/n".
 static stp_text read_corner(parser* p, stp_text at, stp_obj_corner* corner, bool* good)
 {
@@ -183,7 +190,7 @@ static stp_text read_corner(parser* p, stp_text at, stp_obj_corner* corner, bool
     }
     ++at;
     if (*at != '/' && !stp_is_blank(*at) && *at != '\n') {
-        at = read_index(at, chunk->texcoords.count, &corner->texcoord, good);
+        at = read_optional_index(at, chunk->texcoords.count, &corner->texcoord, good);
         if (!*good) {
             return at;
         }
@@ -191,7 +198,7 @@ static stp_text read_corner(parser* p, stp_text at, stp_obj_corner* corner, bool
     if (*at == '/') {
         ++at;
         if (!stp_is_blank(*at) && *at != '\n') {
-            at = read_index(at, chunk->normals.count, &corner->normal, good);
+            at = read_optional_index(at, chunk->normals.count, &corner->normal, good);
         }
     }
     return at;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Cuts OBJ text into chunks of whole lines and parses them on all threads.
 #include "import/obj/obj.h"
+#include "import/reading/point_columns.h"
 
 #include <assert.h>
 #include <math.h>
@@ -63,10 +64,6 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
 {
     stp_text bytes = obj->import->file.bytes;
     size_t size = obj->import->file.size;
-    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) { // a byte order mark
-        bytes += 3;
-        size -= 3;
-    }
     if (size == 0) {
         return STP_OK; // no chunks: perhaps nothing was mapped either
     }
@@ -98,6 +95,9 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
         }
         memcpy(obj->tail, bytes + whole, length);
         obj->tail[length] = '\n';
+        if (whole == 0) {
+            stp_text_end_lines(obj->tail, length);
+        }
         obj->chunks[obj->chunk_count++] =
             (stp_obj_chunk){.begin = obj->tail, .end = obj->tail + length + 1};
     }
@@ -105,23 +105,23 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
     return STP_OK;
 }
 
-// The first position chooses the origin: coordinates in the millions (national grids) lose digits
-// as floats.
+// The first finite position chooses the origin.
 static void find_origin(stp_obj* obj)
 {
     for (size_t i = 0; i < obj->chunk_count; ++i) {
         stp_text end = obj->chunks[i].end;
         for (stp_text at = obj->chunks[i].begin; at < end;) {
             stp_text start = stp_skip_blanks(at);
-            double n[3];
+            double n[3] = {0};
             if (start[0] == 'v' && stp_is_blank(start[1])) {
-                at = start + 1;
-                for (int k = 0; k < 3 && at != NULL; ++k) {
-                    at = stp_read_number(at, &n[k]);
-                    bool far = at != NULL && fabs(n[k]) >= 4096.0 && fabs(n[k]) < 1e15;
-                    obj->origin[k] = far ? (double)(int64_t)(n[k] / 1024.0) * 1024.0 : 0.0;
+                stp_text next = start + 1;
+                for (int k = 0; k < 3 && next != NULL; ++k) {
+                    next = stp_read_number(next, &n[k]);
                 }
-                return;
+                if (next == NULL || (isfinite(n[0]) && isfinite(n[1]) && isfinite(n[2]))) {
+                    stp_import_choose_origin(n, obj->origin);
+                    return;
+                }
             }
             at = (stp_text)memchr(start, '\n', (size_t)(end - start)) + 1;
         }

@@ -17,6 +17,7 @@ typedef struct stitch {
     stp_obj* obj;
     chunk_base* bases;                ///< one more than chunks: the last holds the totals
     atomic_uint_fast64_t bad_polygon; ///< the first polygon of the file with an invalid index
+    atomic_uint_fast64_t dropped;     ///< references to texture coordinates and normals
 } stitch;
 
 static void copy_items(void* target, size_t first, const stp_obj_array* array, size_t size)
@@ -123,6 +124,10 @@ static stp_result find_material(stp_obj* obj, const char* name, uint32_t* materi
     }
     stp_material made = stp_material_plain();
     made.name = name[0] != '\0' ? name : NULL;
+    if (made.name != NULL) {
+        obj->unknown_material = obj->unknown_count == 0 ? name : obj->unknown_material;
+        obj->unknown_count += 1;
+    }
     uint32_t index;
     stp_result result = stp_scene_add_material(obj->import->scene, &made, &index);
     return result == STP_OK
@@ -211,6 +216,15 @@ static stp_result apply_event(stp_obj* obj, const stp_obj_event* event, cursor* 
                                          : find_group(obj, name, at->object, &at->group);
 }
 
+static void warn_of_materials(const stp_obj* obj)
+{
+    if (obj->unknown_count > 0) {
+        stp_warn(obj->context, "%s: no library defines the material \"%.200s\"%s",
+                 obj->import->path, obj->unknown_material,
+                 obj->unknown_count > 1 ? " and others" : "");
+    }
+}
+
 static stp_result make_runs(stp_obj* obj)
 {
     cursor at = {STP_NONE, STP_NONE, STP_NONE};
@@ -292,16 +306,18 @@ static void resolve_run(stitch* s, const stp_obj_run* run)
     stp_obj_corner* out = obj->corners + run->target_corner;
     size_t shift =
         run->target_corner - mesh->first_corner - run->corner; // may wrap, and wraps back
+    uint64_t dropped = 0;
     for (size_t polygon = 0, corner = 0; polygon < run->polygon_count; ++polygon) {
         bool good = true;
         for (; corner < ends[polygon] - run->corner; ++corner) {
             const stp_obj_corner* in = &corners[corner];
-            bool here = in->position != STP_OBJ_ABSENT;
+            bool here = in->position != STP_OBJ_ABSENT, has_texcoord = true, has_normal = true;
             out[corner].position =
                 resolve(in->position, base->position, obj->position_count, &here);
             out[corner].texcoord =
-                resolve(in->texcoord, base->texcoord, obj->texcoord_count, &here);
-            out[corner].normal = resolve(in->normal, base->normal, obj->normal_count, &here);
+                resolve(in->texcoord, base->texcoord, obj->texcoord_count, &has_texcoord);
+            out[corner].normal = resolve(in->normal, base->normal, obj->normal_count, &has_normal);
+            dropped += (uint64_t)!has_texcoord + (uint64_t)!has_normal;
             good = good && here;
         }
         if (!good) {
@@ -309,6 +325,9 @@ static void resolve_run(stitch* s, const stp_obj_run* run)
         }
         obj->polygons[run->target_polygon + polygon] = (uint32_t)(ends[polygon] + shift);
         assert(corner == ends[polygon] - run->corner && corner <= run->corner_count);
+    }
+    if (dropped > 0) {
+        atomic_fetch_add(&s->dropped, dropped);
     }
 }
 
@@ -325,15 +344,23 @@ static stp_result resolve_corners(stitch* s)
 {
     stp_obj* obj = s->obj;
     atomic_store(&s->bad_polygon, SIZE_MAX);
+    atomic_store(&s->dropped, 0);
     stp_parallel_for(obj->context, obj->runs.count, 1 + obj->runs.count / 4096, resolve_runs, s);
     size_t bad = atomic_load(&s->bad_polygon);
     if (bad != SIZE_MAX) {
         return stp_fail(
             obj->context, STP_ERROR_FORMAT,
-            "%s: face %llu: refers to a position, texture coordinate or normal that does not exist "
-            "(the file has %llu, %llu and %llu)",
-            obj->import->path, (unsigned long long)bad + 1, (unsigned long long)obj->position_count,
-            (unsigned long long)obj->texcoord_count, (unsigned long long)obj->normal_count);
+            "%s: face %llu: refers to a position that does not exist (the file has %llu)",
+            obj->import->path, (unsigned long long)bad + 1,
+            (unsigned long long)obj->position_count);
+    }
+    uint64_t dropped = atomic_load(&s->dropped);
+    if (dropped > 0) {
+        stp_warn(obj->context,
+                 "%s: %llu references of corners to texture coordinates and normals that do not "
+                 "exist are left out (the file has %llu and %llu)",
+                 obj->import->path, (unsigned long long)dropped,
+                 (unsigned long long)obj->texcoord_count, (unsigned long long)obj->normal_count);
     }
     return STP_OK;
 }
@@ -371,6 +398,7 @@ stp_result stp_obj_stitch(stp_obj* obj)
     stitch s = {.obj = obj, .bases = STP_NEW_ARRAY(obj->context, chunk_base, obj->chunk_count + 1)};
     stp_result result = s.bases != NULL ? make_runs(obj) : stp_fail_memory(obj->context);
     if (result == STP_OK) {
+        warn_of_materials(obj);
         result = place_runs(obj);
     }
     if (result == STP_OK) {

@@ -22,14 +22,41 @@
 #define RELEASE_EVERY ((size_t)64) ///< tasks, after which pages are released
 #define EXPANSION 100              ///< LZF makes at most 264 bytes of 3
 
-enum { X, Y, Z, NX, NY, NZ, RGB, INTENSITY, LABEL, SLOTS };
+enum { X, Y, Z, NX, NY, NZ, RGB, R, G, B, INTENSITY, LABEL, SLOTS };
 
-static const char* const slot_names[SLOTS] = {
-    "x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb", "intensity", "label"};
+// Names of fields, in any case.
+static const struct {
+    const char* name;
+    int slot;
+} slot_names[] = {{"x", X},
+                  {"y", Y},
+                  {"z", Z},
+                  {"normal_x", NX},
+                  {"normal_y", NY},
+                  {"normal_z", NZ},
+                  {"normalx", NX},
+                  {"normaly", NY},
+                  {"normalz", NZ},
+                  {"nx", NX},
+                  {"ny", NY},
+                  {"nz", NZ},
+                  {"rgb", RGB},
+                  {"rgba", RGB},
+                  {"red", R},
+                  {"green", G},
+                  {"blue", B},
+                  {"r", R},
+                  {"g", G},
+                  {"b", B},
+                  {"intensity", INTENSITY},
+                  {"intensities", INTENSITY},
+                  {"label", LABEL},
+                  {"class", LABEL},
+                  {"classification", LABEL}};
 
-// A worker's results: the range of intensities, and empty cells.
+// A worker's results: the range of intensities, the brightest of separate colours, and empty cells.
 typedef struct seen {
-    double low, high;
+    double low, high, dark, bright;
     uint64_t empty;
 } seen;
 
@@ -41,28 +68,29 @@ typedef struct reader {
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
+    double white;  ///< value of white in separate fields of colours
     seen* workers; ///< one per worker
     stp_text_blocks blocks;
     uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for columns that are not kept
     atomic_uint_fast64_t bad_line;
 } reader;
 
+static int slot_named(const char* name)
+{
+    stp_text word = (stp_text)name, end = word + strlen(name);
+    for (size_t k = 0; k < sizeof(slot_names) / sizeof(slot_names[0]); ++k) {
+        if (stp_word_is(word, end, slot_names[k].name)) {
+            return slot_names[k].slot;
+        }
+    }
+    return SLOTS;
+}
+
 static void find_slots(reader* r)
 {
-    static const struct {
-        const char* name;
-        int slot;
-    } others[] = {
-        {"rgba", RGB}, {"class", LABEL}, {"classification", LABEL}, {"intensities", INTENSITY}};
     for (uint32_t i = 0; i < r->pcd.field_count; ++i) {
         const stp_pcd_field* f = &r->pcd.fields[i];
-        int found = SLOTS;
-        for (int slot = 0; slot < SLOTS; ++slot) {
-            found = strcmp(f->name, slot_names[slot]) == 0 ? slot : found;
-        }
-        for (size_t k = 0; k < sizeof(others) / sizeof(others[0]); ++k) {
-            found = strcmp(f->name, others[k].name) == 0 ? others[k].slot : found;
-        }
+        int found = slot_named(f->name);
         bool fits = found < SLOTS && f->count == 1 && r->slots[found] == NULL &&
                     (found != RGB || f->size == 4);
         r->column_slots[i] = (uint8_t)(fits ? found : SLOTS);
@@ -74,21 +102,26 @@ static void find_slots(reader* r)
     }
 }
 
-static double read_value(const unsigned char* at, const stp_pcd_field* f)
+// Whether colours are in three fields; a packed field has priority.
+static bool has_separate_colors(const reader* r)
 {
-    assert(f->type == 'F' ? f->size == 4 || f->size == 8 : f->size <= 8);
-    if (f->type == 'F') {
-        return f->size == 4 ? (double)stp_read_f32(at) : stp_read_f64(at);
+    return r->slots[RGB] == NULL && r->slots[R] != NULL && r->slots[G] != NULL &&
+           r->slots[B] != NULL;
+}
+
+static void store_packed(uint32_t rgb, uint8_t* to)
+{
+    const uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
+    memcpy(to, color, sizeof(color));
+}
+
+static void store_separate(const reader* r, const double rgb[3], uint8_t* to, seen* own)
+{
+    for (int k = 0; k < 3; ++k) {
+        to[k] = (uint8_t)stp_quantize(rgb[k] * (255.0 / r->white), 255.0);
+        stp_range_add(rgb[k], &own->dark, &own->bright);
     }
-    uint64_t bits = f->size == 8   ? stp_read_u64(at)
-                    : f->size == 4 ? stp_read_u32(at)
-                    : f->size == 2 ? stp_read_u16(at)
-                                   : *at;
-    if (f->type == 'U') {
-        return (double)bits;
-    }
-    unsigned unused = 64 - 8 * f->size;
-    return (double)((int64_t)(bits << unused) >> unused);
+    to[3] = 255;
 }
 
 static void store_point(const reader* r, size_t cell, const double* v, uint32_t rgb, seen* own)
@@ -102,40 +135,21 @@ static void store_point(const reader* r, size_t cell, const double* v, uint32_t 
         stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX], (float)v[NY], (float)v[NZ]});
         memcpy(set->normals + 3 * cell, &n, sizeof(n));
     }
-    if (set->colors != NULL) {
-        uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
-        memcpy(set->colors + 4 * cell, color, sizeof(color));
+    if (set->colors != NULL && r->slots[RGB] != NULL) {
+        store_packed(rgb, set->colors + 4 * cell);
+    } else if (set->colors != NULL) {
+        store_separate(r, v + R, set->colors + 4 * cell, own);
     }
     uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
     if (intensities != NULL) {
         double above = v[INTENSITY] - r->intensity.low;
         intensities[cell] =
             (uint16_t)stp_quantize(above * stp_intensity_factor(r->intensity), 65535.0);
-        own->low = v[INTENSITY] < own->low ? v[INTENSITY] : own->low;
-        own->high = v[INTENSITY] > own->high ? v[INTENSITY] : own->high;
+        stp_range_add(v[INTENSITY], &own->low, &own->high);
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     if (classes != NULL) {
         classes[cell] = (uint8_t)stp_quantize(v[LABEL], 255.0);
-    }
-}
-
-// Values of one field of `count` points, `stride` bytes apart. Each loop knows the type.
-static void read_column(const unsigned char* at, size_t stride, const stp_pcd_field* f,
-                        size_t count, double* to)
-{
-    if (f->type == 'F' && f->size == 4) {
-        for (size_t i = 0; i < count; ++i) {
-            to[i] = (double)stp_read_f32(at + i * stride);
-        }
-    } else if (f->type == 'U' && f->size == 1) {
-        for (size_t i = 0; i < count; ++i) {
-            to[i] = (double)at[i * stride];
-        }
-    } else {
-        for (size_t i = 0; i < count; ++i) {
-            to[i] = read_value(at + i * stride, f);
-        }
     }
 }
 
@@ -149,21 +163,26 @@ static void store_columns(const reader* r, size_t first, size_t count, double v[
         stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX][i], (float)v[NY][i], (float)v[NZ][i]});
         memcpy(set->normals + 3 * (first + i), &n, sizeof(n));
     }
-    const unsigned char* colors =
-        set->colors != NULL ? r->base[RGB] + first * r->stride[RGB] : NULL;
-    for (size_t i = 0; i < count && colors != NULL; ++i) {
-        uint32_t rgb = stp_read_u32(colors + i * r->stride[RGB]);
-        uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
-        memcpy(set->colors + 4 * (first + i), color, sizeof(color));
+    bool separate = has_separate_colors(r);
+    const unsigned char* packed =
+        set->colors != NULL && !separate ? r->base[RGB] + first * r->stride[RGB] : NULL;
+    for (size_t i = 0; i < count && packed != NULL; ++i) {
+        store_packed(stp_read_u32(packed + i * r->stride[RGB]), set->colors + 4 * (first + i));
+    }
+    for (size_t i = 0; i < count && separate; ++i) {
+        if (!stp_cloud_is_empty(&r->cloud, first + i)) {
+            store_separate(r, (double[3]){v[R][i], v[G][i], v[B][i]}, set->colors + 4 * (first + i),
+                           own);
+        }
     }
     uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
     double low = r->intensity.low, factor = stp_intensity_factor(r->intensity);
     for (size_t i = 0; i < count && intensities != NULL; ++i) {
         double value = v[INTENSITY][i];
-        bool there = !stp_cloud_is_empty(&r->cloud, first + i);
         intensities[first + i] = (uint16_t)stp_quantize((value - low) * factor, 65535.0);
-        own->low = there && value < own->low ? value : own->low;
-        own->high = there && value > own->high ? value : own->high;
+        if (!stp_cloud_is_empty(&r->cloud, first + i)) {
+            stp_range_add(value, &own->low, &own->high);
+        }
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     for (size_t i = 0; i < count && classes != NULL; ++i) {
@@ -184,8 +203,8 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
         size_t count = end - first < ROWS ? end - first : ROWS;
         for (int slot = 0; slot < SLOTS; ++slot) {
             if (r->slots[slot] != NULL && slot != RGB) {
-                read_column(r->base[slot] + first * r->stride[slot], r->stride[slot],
-                            r->slots[slot], count, v[slot]);
+                stp_pcd_read_column(r->base[slot] + first * r->stride[slot], r->stride[slot],
+                                    r->slots[slot], count, v[slot]);
             }
         }
         for (size_t i = 0; i < count; ++i) {
@@ -197,35 +216,33 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     r->workers[worker] = own;
 }
 
-// Estimates the range from a sample of intensities, so that most files are read only once.
-static stp_intensity_range guess_intensity(const reader* r)
+// Widens a range by a sample of a field's values.
+static void sample_field(const reader* r, int slot, double* low, double* high)
 {
     enum { SAMPLES = 1024 };
     size_t count = (size_t)r->pcd.point_count, step = count / SAMPLES + 1;
-    double low = 0.0, high = 0.0;
-    for (size_t i = 0; i < count && r->base[INTENSITY] != NULL; i += step) {
-        double value =
-            read_value(r->base[INTENSITY] + i * r->stride[INTENSITY], r->slots[INTENSITY]);
-        low = value < low ? value : low;
-        high = value > high ? value : high;
+    for (size_t i = 0; i < count && r->base[slot] != NULL; i += step) {
+        stp_range_add(stp_pcd_value(r->base[slot] + i * r->stride[slot], r->slots[slot]), low,
+                      high);
     }
-    return stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
 }
 
-// A packed colour is a whole number, or the float with the same bits.
-static uint32_t read_packed(stp_text at, stp_text end, double value)
+static double white_of(const reader* r, double bright)
 {
-    bool whole = true;
-    for (at += *at == '-'; at < end; ++at) {
-        whole = whole && *at >= '0' && *at <= '9';
+    bool fractions = has_separate_colors(r) && r->slots[R]->type == 'F';
+    return stp_color_white(bright, fractions);
+}
+
+// Estimates the scales from a sample, so that most files are read only once.
+static void guess_scales(reader* r)
+{
+    double low = 0.0, high = 0.0, dark = 0.0, bright = 0.0;
+    sample_field(r, INTENSITY, &low, &high);
+    for (int slot = R; slot <= B; ++slot) {
+        sample_field(r, slot, &dark, &bright);
     }
-    if (whole) {
-        return fabs(value) < 4294967296.0 ? (uint32_t)(int64_t)value : 0;
-    }
-    float bits = (float)value;
-    uint32_t packed;
-    memcpy(&packed, &bits, sizeof(packed));
-    return packed;
+    r->intensity = stp_intensity_find_range(low, high > 0.0 ? high : 1.0);
+    r->white = white_of(r, bright);
 }
 
 static bool read_line(reader* r, stp_text at, size_t cell, uint32_t worker)
@@ -240,7 +257,7 @@ static bool read_line(reader* r, stp_text at, size_t cell, uint32_t worker)
             if (next == NULL || (!stp_is_blank(*next) && *next != '\n')) {
                 return false;
             }
-            rgb = slot == RGB ? read_packed(at, next, v[slot]) : rgb;
+            rgb = slot == RGB ? stp_pcd_packed_color(at, next, v[slot]) : rgb;
             at = next;
         }
     }
@@ -273,7 +290,8 @@ static seen read_once(reader* r)
 {
     stp_context* context = r->import->context;
     uint32_t workers = stp_context_thread_count(context);
-    const seen none = {(double)INFINITY, -(double)INFINITY, 0};
+    const double endless = (double)INFINITY;
+    const seen none = {endless, -endless, endless, -endless, 0};
     seen all = none;
     for (uint32_t i = 0; i < workers; ++i) {
         r->workers[i] = none;
@@ -287,6 +305,7 @@ static seen read_once(reader* r)
     for (uint32_t i = 0; i < workers; ++i) {
         all.low = fmin(all.low, r->workers[i].low);
         all.high = fmax(all.high, r->workers[i].high);
+        all.bright = fmax(all.bright, r->workers[i].bright);
         all.empty += r->workers[i].empty;
     }
     return all;
@@ -299,7 +318,7 @@ static void set_origin(reader* r)
     for (size_t i = 0; i < r->pcd.point_count; ++i) {
         bool finite = true;
         for (int k = 0; k < 3; ++k) {
-            place[k] = read_value(r->base[k] + i * r->stride[k], r->slots[k]);
+            place[k] = stp_pcd_value(r->base[k] + i * r->stride[k], r->slots[k]);
             finite = finite && isfinite(place[k]);
         }
         if (finite) {
@@ -333,7 +352,7 @@ static stp_result fill_cloud(reader* r)
     stp_context* context = r->import->context;
     stp_point_columns_desc desc = {
         .normals = r->slots[NX] != NULL && r->slots[NY] != NULL && r->slots[NZ] != NULL,
-        .colors = r->slots[RGB] != NULL,
+        .colors = r->slots[RGB] != NULL || has_separate_colors(r),
         .attributes = (r->slots[INTENSITY] != NULL ? 1u << STP_ATTRIBUTE_INTENSITY : 0) |
                       (r->slots[LABEL] != NULL ? 1u << STP_ATTRIBUTE_CLASS : 0)};
     stp_result result = stp_cloud_create(&r->cloud, r->import, r->pcd.point_count, &desc);
@@ -347,12 +366,14 @@ static stp_result fill_cloud(reader* r)
     if (r->pcd.point_count > 0) {
         (r->pcd.encoding == STP_PCD_ASCII ? set_origin_of_text : set_origin)(r);
     }
-    r->intensity = guess_intensity(r);
+    guess_scales(r);
     seen all = read_once(r);
     assert(all.empty <= r->pcd.point_count);
     stp_intensity_range right = stp_intensity_find_range(all.low, all.high);
-    if (right.low != r->intensity.low || right.high != r->intensity.high) {
+    double white = white_of(r, all.bright);
+    if (right.low != r->intensity.low || right.high != r->intensity.high || white != r->white) {
         r->intensity = right;
+        r->white = white;
         (void)read_once(r);
     }
     uint64_t bad = atomic_load(&r->bad_line);

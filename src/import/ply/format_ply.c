@@ -9,42 +9,20 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
-
-enum { X, Y, Z, NX, NY, NZ, R, G, B, A, U, V, DC0, DC1, DC2, SLOT_COUNT };
 
 #define GRAIN ((size_t)1 << 14)
 #define STRIPE (64 * GRAIN)                      ///< pages are released after this many rows
 #define SPHERICAL_HARMONIC_0 0.28209479177387814 ///< 1 / (2 sqrt(pi)): Kerbl et al. 2023
 
-// Arrays from the rows of the vertex element. Positions and normals have 3 floats, texcoords 2,
-// colours 4.
-typedef struct vertices {
-    stp_ply* ply;
-    const stp_ply_element* element;
-    const stp_ply_property* slots[SLOT_COUNT]; ///< NULL: the file has none
-    double scale[SLOT_COUNT];
-    double origin[3];
-    const unsigned char* rows; ///< binary rows without lists; NULL: the values come one by one
-    size_t count;
-    float *positions, *normals, *texcoords, *colors;
-    stp_ply_attributes attributes; ///< only in files without faces
-    atomic_bool bright;            ///< a colour written as float is above 1
-    stp_ply_room room;
-} vertices;
-
-static const char* const slot_names[SLOT_COUNT] = {
+// Names of slots before the colours (ply_colors.c).
+static const char* const slot_names[STP_PLY_RED] = {
     "x",
     "y",
     "z",
     "nx normal_x",
     "ny normal_y",
     "nz normal_z",
-    "red r diffuse_red",
-    "green g diffuse_green",
-    "blue b diffuse_blue",
-    "alpha a diffuse_alpha",
     "u s texture_u tex_u texcoord_u",
     "v t texture_v tex_v texcoord_v",
     "f_dc_0",
@@ -52,26 +30,22 @@ static const char* const slot_names[SLOT_COUNT] = {
     "f_dc_2",
 };
 
-static void find_slots(vertices* v)
+static void find_slots(stp_ply_vertices* v)
 {
     for (size_t i = 0; i < v->element->property_count; ++i) {
         const stp_ply_property* property = &v->element->properties[i];
-        for (int slot = 0; slot < SLOT_COUNT; ++slot) {
+        for (int slot = 0; slot < STP_PLY_RED; ++slot) {
             if (!property->is_list && v->slots[slot] == NULL &&
                 stp_ply_is_one_of(property->name, slot_names[slot])) {
                 v->slots[slot] = property;
             }
         }
     }
-    static const double byte_scale[] = {127.0,        255.0,        32767.0, 65535.0,
-                                        2147483647.0, 4294967295.0, 1.0,     1.0};
-    for (int slot = 0; slot < SLOT_COUNT; ++slot) {
-        bool color = slot >= R && slot <= A && v->slots[slot] != NULL;
-        v->scale[slot] = color ? byte_scale[v->slots[slot]->type] : 1.0;
-    }
+    (void)stp_ply_find_colors(v->element, &v->color_range);
+    memcpy(v->slots + STP_PLY_RED, v->color_range.slots, sizeof(v->color_range.slots));
 }
 
-static bool has(const vertices* v, int first, int last)
+static bool has(const stp_ply_vertices* v, int first, int last)
 {
     for (int slot = first; slot <= last; ++slot) {
         if (v->slots[slot] == NULL) {
@@ -81,14 +55,15 @@ static bool has(const vertices* v, int first, int last)
     return true;
 }
 
-static stp_result alloc_columns(vertices* v)
+static stp_result alloc_columns(stp_ply_vertices* v)
 {
     size_t floats = v->count * sizeof(float);
-    bool colored = has(v, R, B) || has(v, DC0, DC2);
-    stp_bulk_array columns[STP_PLY_COLUMNS] = {{.size = 3 * floats},
-                                               {.size = has(v, NX, NZ) ? 3 * floats : 0},
-                                               {.size = has(v, U, V) ? 2 * floats : 0},
-                                               {.size = colored ? 4 * floats : 0}};
+    bool colored = has(v, STP_PLY_RED, STP_PLY_BLUE) || has(v, STP_PLY_DC0, STP_PLY_DC2);
+    stp_bulk_array columns[STP_PLY_COLUMNS] = {
+        {.size = 3 * floats},
+        {.size = has(v, STP_PLY_NX, STP_PLY_NZ) ? 3 * floats : 0},
+        {.size = has(v, STP_PLY_U, STP_PLY_V) ? 2 * floats : 0},
+        {.size = colored ? 4 * floats : 0}};
     stp_result result = stp_ply_alloc_columns(v->ply, &v->room, columns);
     v->positions = columns[0].bytes;
     v->normals = columns[1].bytes;
@@ -98,47 +73,49 @@ static stp_result alloc_columns(vertices* v)
                             : result;
 }
 
-static void store_row(vertices* v, size_t row, const double* n)
+static void store_row(stp_ply_vertices* v, size_t row, const double* n)
 {
     assert(row < v->count);
     for (size_t i = 0; i < 3; ++i) {
-        v->positions[3 * row + i] = (float)(n[X + i] - v->origin[i]);
+        v->positions[3 * row + i] = (float)(n[STP_PLY_X + i] - v->origin[i]);
     }
     if (v->normals != NULL) {
-        stp_vec3 normal = stp_normalize((stp_vec3){(float)n[NX], (float)n[NY], (float)n[NZ]});
+        stp_vec3 normal = stp_normalize(
+            (stp_vec3){(float)n[STP_PLY_NX], (float)n[STP_PLY_NY], (float)n[STP_PLY_NZ]});
         memcpy(v->normals + 3 * row, &normal, sizeof(normal));
     }
     if (v->texcoords != NULL) {
         // v starts at the bottom of the picture
-        v->texcoords[2 * row] = isfinite(n[U]) ? (float)n[U] : 0.0f;
-        v->texcoords[2 * row + 1] = isfinite(n[V]) ? (float)(1.0 - n[V]) : 0.0f;
+        v->texcoords[2 * row] = isfinite(n[STP_PLY_U]) ? (float)n[STP_PLY_U] : 0.0f;
+        v->texcoords[2 * row + 1] = isfinite(n[STP_PLY_V]) ? (float)(1.0 - n[STP_PLY_V]) : 0.0f;
     }
     if (v->colors != NULL) {
         float* color = v->colors + 4 * row;
-        bool plain = has(v, R, B);
-        for (size_t i = 0; i < 3; ++i) {
-            double value =
-                plain ? n[R + i] / v->scale[R + i] : 0.5 + SPHERICAL_HARMONIC_0 * n[DC0 + i];
-            color[i] = (float)value;
-            if (plain && v->scale[R + i] == 1.0 && value > 1.0) {
-                atomic_store_explicit(&v->bright, true, memory_order_relaxed);
+        bool plain = has(v, STP_PLY_RED, STP_PLY_BLUE);
+        for (int i = 0; i < 3 && !plain; ++i) {
+            color[i] = (float)(0.5 + SPHERICAL_HARMONIC_0 * n[STP_PLY_DC0 + i]);
+        }
+        color[3] = 1.0f;
+        for (int i = 0; i < 4 && plain; ++i) {
+            if (v->slots[STP_PLY_RED + i] != NULL) {
+                color[i] = (float)n[STP_PLY_RED + i];
+                stp_ply_note_color(&v->color_range, i, n[STP_PLY_RED + i]);
             }
         }
-        color[3] = plain && v->slots[A] != NULL ? (float)(n[A] / v->scale[A]) : 1.0f;
     }
 }
 
 static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    vertices* v = user;
+    stp_ply_vertices* v = user;
     if (begin % STRIPE == 0) {
         stp_ply_release_columns(v->ply, &v->room);
     }
     for (size_t row = begin; row < end; ++row) {
         const unsigned char* bytes = v->rows + row * v->element->row_size;
-        double n[SLOT_COUNT] = {0};
-        for (int slot = 0; slot < SLOT_COUNT; ++slot) {
+        double n[STP_PLY_SLOTS] = {0};
+        for (int slot = 0; slot < STP_PLY_SLOTS; ++slot) {
             const stp_ply_property* property = v->slots[slot];
             if (property != NULL) {
                 n[slot] = stp_ply_value(bytes + property->offset, property->type, v->ply->encoding);
@@ -156,21 +133,17 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Far from the origin, as in national grids, floats would lose digits: the first position chooses
-// the origin.
-static void choose_origin(vertices* v, const double* n)
+static bool is_finite(const double place[3])
 {
-    for (int i = 0; i < 3; ++i) {
-        bool far = fabs(n[i]) >= 4096.0 && fabs(n[i]) < 1e15;
-        v->origin[i] = far ? (double)(int64_t)(n[i] / 1024.0) * 1024.0 : 0.0;
-    }
+    return isfinite(place[0]) && isfinite(place[1]) && isfinite(place[2]);
 }
 
-static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
+static stp_result read_rows_one_by_one(stp_ply_vertices* v, stp_ply_cursor* cursor)
 {
     const stp_ply_element* element = v->element;
+    bool placed = false;
     for (size_t row = 0; row < v->count; ++row) {
-        double n[SLOT_COUNT] = {0};
+        double n[STP_PLY_SLOTS] = {0};
         for (size_t i = 0; i < element->property_count; ++i) {
             const stp_ply_property* property = &element->properties[i];
             double value;
@@ -179,7 +152,7 @@ static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
             if (!good) {
                 return stp_ply_fail_row(cursor, element, row);
             }
-            for (int slot = 0; slot < SLOT_COUNT && !property->is_list; ++slot) {
+            for (int slot = 0; slot < STP_PLY_SLOTS && !property->is_list; ++slot) {
                 if (v->slots[slot] == property) {
                     n[slot] = value;
                 }
@@ -190,15 +163,17 @@ static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
                 }
             }
         }
-        if (row == 0) {
-            choose_origin(v, n);
+        if (!placed && is_finite(n)) {
+            stp_import_choose_origin(n, v->origin);
+            placed = true;
         }
         store_row(v, row, n);
+        stp_ply_end_row(cursor);
     }
     return STP_OK;
 }
 
-static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
+static stp_result read_vertices(stp_ply_vertices* v, stp_ply_cursor* cursor)
 {
     const stp_ply_element* element = v->element;
     const char* path = v->ply->import->path;
@@ -206,7 +181,7 @@ static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
     if (!stp_ply_has_faces(v->ply)) {
         stp_ply_find_attributes(element, &v->attributes);
     }
-    if (!has(v, X, Z)) {
+    if (!has(v, STP_PLY_X, STP_PLY_Z)) {
         return stp_fail(v->ply->context, STP_ERROR_FORMAT, "%s: its vertices have no x, y and z",
                         path);
     }
@@ -223,11 +198,18 @@ static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
     }
     assert(v->count * element->row_size <= (size_t)(cursor->end - cursor->at) && "was checked");
     v->rows = cursor->at;
-    for (int i = 0; i < 3 && v->count > 0; ++i) {
-        v->origin[i] =
-            stp_ply_value(v->rows + v->slots[i]->offset, v->slots[i]->type, v->ply->encoding);
+    double first[3] = {0};
+    for (size_t row = 0; row < v->count; ++row) {
+        const unsigned char* bytes = v->rows + row * element->row_size;
+        for (int i = 0; i < 3; ++i) {
+            first[i] =
+                stp_ply_value(bytes + v->slots[i]->offset, v->slots[i]->type, v->ply->encoding);
+        }
+        if (is_finite(first)) {
+            break;
+        }
     }
-    choose_origin(v, (double[3]){v->origin[0], v->origin[1], v->origin[2]});
+    stp_import_choose_origin(first, v->origin);
     stp_parallel_for(v->ply->context, v->count, GRAIN, read_rows, v);
     cursor->at += v->count * element->row_size;
     return STP_OK;
@@ -246,39 +228,54 @@ static stp_result skip_element(stp_ply_cursor* cursor, const stp_ply_element* el
                 return stp_ply_fail_row(cursor, element, row);
             }
         }
+        stp_ply_end_row(cursor);
     }
     return STP_OK;
 }
 
-static stp_result read_elements(vertices* v, stp_ply_faces* f, stp_ply_cursor* cursor)
+static stp_result read_faces(const stp_ply_vertices* v, stp_ply_faces* f, stp_ply_cursor* cursor,
+                             const stp_ply_element* element)
+{
+    bool strips = strcmp(element->name, "tristrips") == 0;
+    bool faces = strips || strcmp(element->name, "face") == 0;
+    return faces && element->property_count > 0
+               ? stp_ply_read_faces(cursor, element, strips, v->positions, v->count, f)
+               : skip_element(cursor, element);
+}
+
+// Elements before the vertices are skipped at first, because faces need those.
+static stp_result read_elements(stp_ply_vertices* v, stp_ply_faces* f, stp_ply_cursor* cursor)
 {
     stp_ply* ply = v->ply;
-    for (size_t i = 0; i < ply->element_count; ++i) {
+    stp_ply_cursor start = *cursor;
+    stp_result result = STP_OK;
+    for (size_t i = 0; i < ply->element_count && result == STP_OK; ++i) {
         const stp_ply_element* element = &ply->elements[i];
-        stp_result result = stp_ply_check_rows(cursor, element);
+        result = stp_ply_check_rows(cursor, element);
         if (result != STP_OK) {
             return result;
         }
-        bool strips = strcmp(element->name, "tristrips") == 0;
         if (v->element == NULL && stp_ply_is_one_of(element->name, "vertex vertices")) {
             v->element = element;
             result = read_vertices(v, cursor);
-        } else if (v->element != NULL && element->property_count > 0 &&
-                   (strips || strcmp(element->name, "face") == 0)) {
-            result = stp_ply_read_faces(cursor, element, strips, v->positions, v->count, f);
+            result = result == STP_OK ? stp_ply_wedges_begin(&f->wedges, ply, v->colors != NULL)
+                                      : result;
         } else {
-            result = skip_element(cursor, element);
-        }
-        if (result != STP_OK) {
-            return result;
+            result = v->element != NULL ? read_faces(v, f, cursor, element)
+                                        : skip_element(cursor, element);
         }
     }
-    return v->element != NULL ? STP_OK
-                              : stp_fail(ply->context, STP_ERROR_FORMAT,
-                                         "%s: has no vertex element", ply->import->path);
+    if (result == STP_OK && v->element == NULL) {
+        return stp_fail(ply->context, STP_ERROR_FORMAT, "%s: has no vertex element",
+                        ply->import->path);
+    }
+    for (const stp_ply_element* e = ply->elements; result == STP_OK && e < v->element; ++e) {
+        result = read_faces(v, f, &start, e);
+    }
+    return result;
 }
 
-static void free_columns(vertices* v)
+static void free_columns(stp_ply_vertices* v)
 {
     stp_ply_free_column(v->ply, &v->room, v->positions);
     stp_ply_free_column(v->ply, &v->room, v->normals);
@@ -291,7 +288,7 @@ static void free_columns(vertices* v)
 }
 
 // Splat files and some exporters write all-zero normals, which count as none.
-static void drop_zero_normals(vertices* v)
+static void drop_zero_normals(stp_ply_vertices* v)
 {
     size_t i = 0;
     while (v->normals != NULL && i < 3 * v->count && v->normals[i] == 0.0f) {
@@ -304,7 +301,7 @@ static void drop_zero_normals(vertices* v)
 }
 
 // Scanners write unmeasured points as NaN; these are skipped.
-static void drop_bad_points(vertices* v)
+static void drop_bad_points(stp_ply_vertices* v)
 {
     size_t kept = 0;
     for (size_t i = 0; i < v->count; ++i) {
@@ -332,12 +329,7 @@ static void drop_bad_points(vertices* v)
     }
 }
 
-static float color_scale(vertices* v)
-{
-    return atomic_load(&v->bright) ? 1.0f / 255.0f : 1.0f; // floats from 0 to 255
-}
-
-static stp_result add_points(vertices* v)
+static stp_result add_points(stp_ply_vertices* v)
 {
     stp_context* context = v->ply->context;
     stp_scene* scene = v->ply->import->scene;
@@ -349,12 +341,12 @@ static stp_result add_points(vertices* v)
         if (colors == NULL) {
             return v->room.spilled ? STP_ERROR_IO : stp_fail_memory(context);
         }
-        float scale = color_scale(v);
+        stp_ply_color_scale scale = stp_ply_find_color_scale(&v->color_range);
         for (size_t i = 0; i < 4 * v->count; ++i) {
-            colors[i] = stp_unorm8(v->colors[i] * (i % 4 < 3 ? scale : 1.0f));
+            colors[i] = stp_unorm8(stp_ply_scaled_color(&scale, i % 4, v->colors[i]));
         }
     }
-    if (v->slots[DC0] != NULL) {
+    if (v->slots[STP_PLY_DC0] != NULL) {
         stp_notice(context,
                    "%s: splats are read as points, with the colour of their first coefficient",
                    v->ply->import->path);
@@ -370,70 +362,7 @@ static stp_result add_points(vertices* v)
     return stp_point_columns_add(v->ply->import, &set);
 }
 
-static stp_result check_positions(const vertices* v)
-{
-    for (size_t i = 0; i < v->count; ++i) {
-        const float* p = v->positions + 3 * i;
-        if (!stp_is_finite((stp_vec3){p[0], p[1], p[2]})) {
-            return stp_fail(v->ply->context, STP_ERROR_FORMAT,
-                            "%s: vertex %llu has a position that is not finite",
-                            v->ply->import->path, (unsigned long long)i);
-        }
-    }
-    return STP_OK;
-}
-
-static stp_result add_material(const vertices* v, uint32_t* index)
-{
-    stp_import* import = v->ply->import;
-    stp_material material = stp_material_plain();
-    stp_result result = STP_OK;
-    if (v->ply->texture != NULL && v->texcoords != NULL) {
-        stp_pictures pictures = stp_pictures_create(import);
-        result = stp_pictures_read(&pictures, "TextureFile", v->ply->texture, STP_WRAP_REPEAT,
-                                   &material.base_color_texture.texture);
-        stp_pictures_destroy(&pictures);
-    }
-    return result == STP_OK ? stp_scene_add_material(import->scene, &material, index) : result;
-}
-
-static stp_result add_mesh(vertices* v, stp_ply_faces* f)
-{
-    stp_context* context = v->ply->context;
-    stp_scene* scene = v->ply->import->scene;
-    stp_mesh mesh = {.vertex_count = (uint32_t)v->count,
-                     .triangle_count = (uint32_t)(f->count / 3)};
-    assert(f->count % 3 == 0 && f->count / 3 < STP_NONE && v->count < STP_NONE);
-    stp_result result = check_positions(v);
-    if (result == STP_OK) {
-        result = add_material(v, &mesh.material);
-    }
-    if (result != STP_OK) {
-        return result;
-    }
-    if (v->colors != NULL) {
-        mesh.colors = STP_NEW_ARRAY(context, uint16_t, 4 * v->count);
-        if (mesh.colors == NULL) {
-            return stp_fail_memory(context);
-        }
-        float scale = color_scale(v);
-        for (size_t i = 0; i < 4 * v->count; ++i) {
-            float value = v->colors[i];
-            mesh.colors[i] = stp_unorm16(i % 4 < 3 ? stp_srgb_to_linear(value * scale) : value);
-        }
-    }
-    mesh.positions = v->positions;
-    mesh.normals = v->normals;
-    mesh.texcoords[0] = v->texcoords;
-    mesh.indices = f->indices;
-    v->positions = v->normals = v->texcoords = NULL;
-    f->indices = NULL;
-    stp_part part = {.kind = STP_PART_MESH};
-    result = stp_scene_add_mesh(scene, &mesh, &part.index);
-    return result == STP_OK ? stp_scene_add_part(scene, part) : result;
-}
-
-static stp_result add_to_scene(vertices* v, stp_ply_faces* f)
+static stp_result add_to_scene(stp_ply_vertices* v, stp_ply_faces* f)
 {
     stp_import* import = v->ply->import;
     if (f->small != 0) {
@@ -442,24 +371,30 @@ static stp_result add_to_scene(vertices* v, stp_ply_faces* f)
     }
     stp_import_set_origin(import, v->origin);
     drop_zero_normals(v);
-    return f->any ? add_mesh(v, f) : add_points(v);
+    return f->any ? stp_ply_add_mesh(v, f) : add_points(v);
 }
 
 static stp_result read_values(stp_ply* ply)
 {
     stp_ply_cursor cursor;
-    vertices v = {.ply = ply};
+    stp_ply_vertices v = {.ply = ply};
     stp_ply_faces f = {0};
-    atomic_init(&v.bright, false);
     stp_result result = stp_ply_cursor_open(ply, &cursor);
     if (result == STP_OK) {
         result = read_elements(&v, &f, &cursor);
+        if (result == STP_OK && cursor.long_rows > 0) {
+            stp_warn(ply->context,
+                     "%s: %llu rows have more values than the header says: the rest "
+                     "of their lines is left out",
+                     ply->import->path, (unsigned long long)cursor.long_rows);
+        }
         stp_ply_cursor_close(&cursor);
     }
     if (result == STP_OK) {
         result = add_to_scene(&v, &f);
     }
     free_columns(&v);
+    stp_ply_wedges_end(&f.wedges);
     stp_free(ply->context, f.indices);
     stp_free(ply->context, f.corners);
     return result;

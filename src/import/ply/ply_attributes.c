@@ -4,6 +4,7 @@
 #include "import/ply/ply.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -91,13 +92,13 @@ void stp_ply_store_attribute(stp_ply_attributes* a, int attribute, size_t row, d
     }
     if (a->scaled_later[attribute]) {
         ((float*)column)[row] = (float)value;
-        if (value > 1.0) {
+        if (value > 1.0 && value <= DBL_MAX) {
             atomic_store_explicit(&a->strong[attribute], true, memory_order_relaxed);
         }
         return;
     }
     if (attribute == STP_ATTRIBUTE_TIME) {
-        ((double*)column)[row] = isfinite(value) ? value : 0.0;
+        ((double*)column)[row] = value;
         return;
     }
     value *= scale_of(a->properties[attribute], attribute);

@@ -105,12 +105,38 @@ static stp_result add_face(stp_context* context, const float* positions, stp_ply
         f->small += 1;
         return STP_OK;
     }
+    if (f->wedges.active) {
+        return stp_ply_wedges_add(&f->wedges, positions, f->corners, count);
+    }
     uint32_t* out = add_triangles(context, f, count - 2);
     if (out == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
     bool good = stp_triangulate(context, positions, f->corners, (uint32_t)count, out);
     return good ? STP_OK : stp_fail_memory(context);
+}
+
+// Reads a row. @return with *count corners
+static stp_result read_row(stp_ply_cursor* cursor, const stp_ply_element* element,
+                           const stp_ply_property* indices, uint64_t row, size_t vertex_count,
+                           bool strips, stp_ply_faces* f, uint64_t* count)
+{
+    stp_result result = STP_OK;
+    stp_ply_wedges_begin_face(&f->wedges);
+    for (size_t i = 0; i < element->property_count && result == STP_OK; ++i) {
+        const stp_ply_property* property = &element->properties[i];
+        bool good = true;
+        if (property == indices) {
+            result = read_corners(cursor, element, property, row, vertex_count, strips, f, count);
+        } else if (f->wedges.active && !strips) {
+            result = stp_ply_wedges_read(&f->wedges, cursor, property, &good);
+        } else {
+            good = stp_ply_skip(cursor, property);
+        }
+        result = good ? result : stp_ply_fail_row(cursor, element, row);
+    }
+    stp_ply_end_row(cursor);
+    return result;
 }
 
 stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* element, bool strips,
@@ -120,24 +146,15 @@ stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* ele
     const stp_ply_property* indices = find_indices(element);
     f->any |= indices != NULL && element->count > 0;
     for (uint64_t row = 0; row < element->count; ++row) {
-        for (size_t i = 0; i < element->property_count; ++i) {
-            const stp_ply_property* property = &element->properties[i];
-            if (property != indices) {
-                if (!stp_ply_skip(cursor, property)) {
-                    return stp_ply_fail_row(cursor, element, row);
-                }
-                continue;
-            }
-            uint64_t count = 0;
-            stp_result result =
-                read_corners(cursor, element, property, row, vertex_count, strips, f, &count);
-            if (result == STP_OK) {
-                result = strips ? add_strip(context, f, (size_t)count)
-                                : add_face(context, positions, f, (size_t)count);
-            }
-            if (result != STP_OK) {
-                return result;
-            }
+        uint64_t count = 0;
+        stp_result result =
+            read_row(cursor, element, indices, row, vertex_count, strips, f, &count);
+        if (result == STP_OK && indices != NULL) {
+            result = strips ? add_strip(context, f, (size_t)count)
+                            : add_face(context, positions, f, (size_t)count);
+        }
+        if (result != STP_OK) {
+            return result;
         }
     }
     if (f->count / 3 >= STP_NONE) {

@@ -139,7 +139,11 @@ static stp_result read_comment(stp_ply* ply, line* l)
     for (end = begin; *end != '\n' && *end != '\r';) {
         ++end;
     }
-    return copy_word(ply, begin, end, &ply->texture);
+    if (!STP_MAKE_ROOM(ply->context, ply->textures, ply->texture_capacity,
+                       ply->texture_count + 1)) {
+        return stp_fail_memory(ply->context);
+    }
+    return copy_word(ply, begin, end, &ply->textures[ply->texture_count++]);
 }
 
 static stp_result read_line(stp_ply* ply, stp_text start, bool* done)
@@ -196,4 +200,5 @@ void stp_ply_destroy(stp_ply* ply)
         stp_free(ply->context, ply->elements[i].properties);
     }
     stp_free(ply->context, ply->elements);
+    stp_free(ply->context, ply->textures);
 }

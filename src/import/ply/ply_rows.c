@@ -51,6 +51,20 @@ double stp_ply_value(const unsigned char* bytes, stp_ply_type type, stp_ply_enco
     return value;
 }
 
+// Whether there are as many lines with values as rows: then each is one.
+static bool row_is_line(const stp_ply* ply, stp_text text, stp_text end)
+{
+    uint64_t rows = 0, lines = 0;
+    for (size_t i = 0; i < ply->element_count; ++i) {
+        rows += ply->elements[i].property_count > 0 ? ply->elements[i].count : 0;
+    }
+    for (stp_text at = text; at < end; ++at) {
+        lines += *stp_skip_blanks(at) != '\n';
+        at = memchr(at, '\n', (size_t)(end - at));
+    }
+    return rows == lines;
+}
+
 stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
 {
     const stp_mapped_file* file = &ply->import->file;
@@ -67,6 +81,7 @@ stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
         cursor->text[size] = '\n';
         cursor->at = cursor->text;
         cursor->end = cursor->text + size + 1;
+        cursor->row_is_line = row_is_line(ply, cursor->at, cursor->end);
     }
     return STP_OK;
 }
@@ -160,6 +175,17 @@ bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property)
         }
     }
     return true;
+}
+
+void stp_ply_end_row(stp_ply_cursor* cursor)
+{
+    if (!cursor->row_is_line || cursor->at >= cursor->end) {
+        return;
+    }
+    stp_text at = stp_skip_blanks(cursor->at);
+    cursor->long_rows += *at != '\n';
+    cursor->at = memchr(at, '\n', (size_t)(cursor->end - at));
+    assert(cursor->at != NULL && "the text ends with a line end");
 }
 
 stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element* element,

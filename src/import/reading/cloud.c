@@ -6,8 +6,6 @@
 #include <assert.h>
 #include <string.h>
 
-#define FAR 4096.0                    ///< coordinates up to here keep their digits as floats
-#define ROUND 1024.0                  ///< origins are multiples of this
 #define LONGEST_RUN ((size_t)1 << 20) ///< cells
 
 void stp_cloud_set_axes(stp_import* import)
@@ -39,11 +37,7 @@ void stp_cloud_destroy(stp_cloud* cloud)
 
 void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
 {
-    for (int i = 0; i < 3; ++i) {
-        bool far = fabs(place[i]) >= FAR && fabs(place[i]) < 1e15;
-        cloud->origin[i] = far ? (double)(int64_t)(place[i] / ROUND) * ROUND : 0.0;
-        assert(!far || fabs(place[i] - cloud->origin[i]) < ROUND);
-    }
+    stp_import_choose_origin(place, cloud->origin);
 }
 
 // Moves runs of filled cells at once. Releases spilled pages.

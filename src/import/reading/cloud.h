@@ -26,9 +26,7 @@ STP_MUST_USE stp_result stp_cloud_create(stp_cloud* cloud, stp_import* import, u
                                          const stp_point_columns_desc* desc);
 void stp_cloud_destroy(stp_cloud* cloud);
 
-/// Chooses a round position near `place` as the origin if it is far from zero, as in national
-/// grids, where floats would lose digits. Coordinates that are not finite, or reach 1e15, count as
-/// zero. Call it before filling cells.
+/// Chooses the origin by stp_import_choose_origin. Call it before filling cells.
 void stp_cloud_set_origin(stp_cloud* cloud, const double place[3]);
 
 static inline void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell)

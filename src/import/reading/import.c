@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/import.h"
 
+#include "import/reading/text.h"
+
 #include <assert.h>
 #include <string.h>
 
@@ -79,12 +81,22 @@ static const stp_importer* find_importer(const char* path, const stp_mapped_file
     return NULL;
 }
 
+// Importers do not see the byte order mark of a text. @return its bytes
+static size_t skip_mark(stp_mapped_file* file)
+{
+    size_t mark = stp_text_mark(file->bytes, file->size);
+    file->bytes = mark > 0 ? file->bytes + mark : file->bytes;
+    file->size -= mark;
+    return mark;
+}
+
 bool stp_import_takes_columns(const char* path)
 {
     unsigned char bytes[PEEK_SIZE];
     stp_mapped_file start = {.bytes = bytes, .size = stp_file_peek(path, bytes, sizeof(bytes))};
-    const stp_importer* importer = find_importer(path, &start);
     assert(start.size <= sizeof(bytes));
+    (void)skip_mark(&start);
+    const stp_importer* importer = find_importer(path, &start);
     return importer != NULL && importer->columns;
 }
 
@@ -201,6 +213,15 @@ static stp_result import_mapped(stp_import* import)
     return result == STP_OK ? read_with(importer, import) : result;
 }
 
+static stp_result import_marked(stp_import* import)
+{
+    size_t mark = skip_mark(&import->file);
+    stp_result result = import_mapped(import);
+    import->file.bytes = mark > 0 ? import->file.bytes - mark : import->file.bytes;
+    import->file.size += mark;
+    return result;
+}
+
 stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_desc* desc)
 {
     stp_import import = {.context = scene->context, .scene = scene, .path = path, .desc = *desc};
@@ -208,7 +229,7 @@ stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_
     if (result != STP_OK) {
         return result;
     }
-    result = import_mapped(&import);
+    result = import_marked(&import);
     stp_file_unmap(&import.file);
     return result;
 }
@@ -240,5 +261,5 @@ stp_result stp_import_memory(stp_scene* scene, const char* name, const void* byt
                          .file = {.bytes = bytes, .size = size},
                          .desc = *desc,
                          .alone = true};
-    return import_mapped(&import);
+    return import_marked(&import);
 }

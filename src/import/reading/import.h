@@ -97,7 +97,8 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres);
 
 /// The path of a file that `reference` (a relative URI or path, already percent-decoded) names,
 /// relative to the imported file's folder. Rejects absolute paths, drive letters, URLs and ".."
-/// that leave the folder. Backslashes count as slashes. @return STP_OK with an arena copy (of the
+/// that leave the folder. Backslashes count as slashes. If there is no such file, one may be found
+/// whose name differs in case, or lacks a query ("?v=1"). @return STP_OK with an arena copy (of the
 /// scene's text arena), STP_ERROR_FORMAT or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_import_resolve(stp_import* import, const char* reference,
                                            const char** path);

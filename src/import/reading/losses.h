@@ -16,6 +16,7 @@
     X(CAMERA, "camera without perspective", "cameras without perspective", NULL)                   \
     X(POINT, "point without a finite position", "points without a finite position", NULL)          \
     X(UNFINISHED_LINE, "unfinished last line", "unfinished last lines", NULL)                      \
+    X(TIME, "point time beyond 1e19", "point times beyond 1e19", "stored as 0")                    \
     X(COLUMN, "point column", "point columns", NULL)                                               \
     X(SCANNER_PICTURE, "scanner picture", "scanner pictures", NULL)                                \
     X(SCAN, "scan without positions", "scans without positions", NULL)                             \

@@ -4,8 +4,6 @@
 
 #include <assert.h>
 #include <limits.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,9 +68,13 @@ static const char* join(const char* folder, size_t folder_length, const char* re
     return end == start ? "it does not name a file" : NULL;
 }
 
-// Whether a file, after following links, is in a folder (its path up to the last slash; empty: the
-// current one) or below. A missing file is judged by its path.
-static bool is_below(const char* path, size_t folder_length)
+size_t stp_path_folder_length(const char* model)
+{
+    const char* slash = strrchr(model, '/');
+    return slash != NULL ? (size_t)(slash + 1 - model) : 0;
+}
+
+bool stp_path_is_below(const char* path, size_t folder_length)
 {
     char folder[PATH_MAX];
     if (folder_length >= sizeof(folder)) {
@@ -104,10 +106,9 @@ const char* stp_path_resolve(const char* model, const char* reference, char* out
     if (has_scheme(reference)) {
         return "it has a drive letter or is a URL";
     }
-    const char* slash = strrchr(model, '/');
-    size_t folder_length = slash != NULL ? (size_t)(slash + 1 - model) : 0;
+    size_t folder_length = stp_path_folder_length(model);
     const char* reason = join(model, folder_length, reference, out);
-    if (reason == NULL && !is_below(out, folder_length)) {
+    if (reason == NULL && !stp_path_is_below(out, folder_length)) {
         reason = "it is a link out of the folder of the file";
     }
     return reason;

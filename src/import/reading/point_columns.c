@@ -4,7 +4,13 @@
 #include "scene/bulk.h"
 
 #include <assert.h>
+#include <math.h>
+#include <stdatomic.h>
 
+#define FAR 4096.0                 ///< coordinates up to here keep their digits as floats
+#define ROUND 1024.0               ///< origins are multiples of this
+#define GRAIN ((size_t)1 << 16)    ///< points
+#define RELEASE_EVERY ((size_t)64) ///< tasks, after which pages are released
 /// Reciprocal share of the scene's memory: larger point sets go directly to its spill file
 #define SHARE 2
 
@@ -69,10 +75,61 @@ void stp_point_columns_free(stp_import* import, stp_point_set* set)
     *set = (stp_point_set){0};
 }
 
+// Times of a set, some of which may be invalid.
+typedef struct time_check {
+    stp_import* import;
+    const stp_point_set* set;
+    atomic_uint_fast64_t invalid;
+} time_check;
+
+static void check_run(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    time_check* c = user;
+    double* times = c->set->attributes[STP_ATTRIBUTE_TIME];
+    uint64_t invalid = 0;
+    assert(end <= c->set->point_count);
+    for (size_t i = begin; i < end; ++i) {
+        if (!(fabs(times[i]) <= STP_SCENE_TIME_LIMIT)) { // also NaN
+            times[i] = 0.0;
+            invalid += 1;
+        }
+    }
+    if (invalid > 0) {
+        atomic_fetch_add_explicit(&c->invalid, invalid, memory_order_relaxed);
+    }
+    if (begin / GRAIN % RELEASE_EVERY == RELEASE_EVERY - 1) {
+        stp_point_columns_release(c->import, c->set);
+    }
+}
+
+// A file cannot hold times that are not finite or far too large, and they are no reason to lose
+// points. Other attributes are whole numbers.
+static void check_times(stp_import* import, stp_point_set* set)
+{
+    void** column = &set->attributes[STP_ATTRIBUTE_TIME];
+    if (*column == NULL) {
+        return;
+    }
+    time_check c = {.import = import, .set = set};
+    atomic_init(&c.invalid, 0);
+    stp_parallel_for(import->context, set->point_count, GRAIN, check_run, &c);
+    uint64_t invalid = atomic_load(&c.invalid);
+    assert(invalid <= set->point_count);
+    stp_losses_add(&import->losses, STP_LOSS_TIME, invalid);
+    if (invalid > 0 && invalid == set->point_count) { // none was recorded
+        if (!set->spilled) {
+            stp_free(import->context, *column);
+        }
+        *column = NULL;
+    }
+}
+
 stp_result stp_point_columns_add(stp_import* import, stp_point_set* set)
 {
     stp_part part = {.kind = STP_PART_POINTS};
     assert(import->root < import->scene->object_count && "parts belong to the last object");
+    check_times(import, set);
     stp_point_columns_release(import, set);
     stp_result result = set->spilled ? stp_scene_add_spilled_points(import->scene, set, &part.index)
                                      : stp_scene_add_point_set(import->scene, set, &part.index);
@@ -88,6 +145,15 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set)
             stp_file_evict(&import->file);
         }
         stp_spill_release_pages(import->scene->spill);
+    }
+}
+
+void stp_import_choose_origin(const double place[3], double origin[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        bool far = fabs(place[i]) >= FAR && fabs(place[i]) < 1e15;
+        origin[i] = far ? (double)(int64_t)(place[i] / ROUND) * ROUND : 0.0;
+        assert(!far || fabs(place[i] - origin[i]) < ROUND);
     }
 }
 

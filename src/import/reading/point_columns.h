@@ -26,6 +26,7 @@ STP_MUST_USE stp_result stp_point_columns_create(stp_import* import,
 void stp_point_columns_free(stp_import* import, stp_point_set* set);
 
 /// Adds the set to the scene, as a part of the last object, and empties `set`, even on failure.
+/// Times that are not finite, or beyond STP_SCENE_TIME_LIMIT, become 0 and count as losses.
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_point_columns_add(stp_import* import, stp_point_set* set);
 
@@ -35,6 +36,10 @@ void stp_point_columns_release(stp_import* import, const stp_point_set* set);
 
 /// Whether this many bytes of points go directly to the scene's spill file.
 bool stp_points_go_to_spill(const stp_scene* scene, uint64_t bytes);
+
+/// A round position near `place` if that is far from zero, as in national grids, where floats would
+/// lose digits; else zero. Coordinates that are not finite, or reach 1e15, count as zero.
+void stp_import_choose_origin(const double place[3], double origin[3]);
 
 /// Moves the file's object so that its points, which are relative to `origin` (in the file's axes),
 /// are at their original positions. Call it once, after stp_import_set_axes.

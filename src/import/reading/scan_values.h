@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Values of scanned points: intensities in the unit of the scene, and normals from the grid of a scan.
+// Values of scanned points: scales of intensities and colours, and normals from the grid of a scan.
 #pragma once
 
 #include "import/reading/cloud.h"
@@ -15,6 +15,13 @@ typedef struct stp_intensity_range {
     double low, high;
 } stp_intensity_range;
 
+/// Widens a range (empty: low above high) by a value of a file, unless that is not finite.
+static inline void stp_range_add(double value, double* low, double* high)
+{
+    *low = value < *low && value >= -DBL_MAX ? value : *low;
+    *high = value > *high && value <= DBL_MAX ? value : *high;
+}
+
 /// Chooses the range from the minimum and maximum of a file that does not specify it: up to 1, 255
 /// or 65535, whichever fits; -2048 to 2047 if a value is negative; otherwise minimum to maximum.
 /// Without values (low above high): up to 1.
@@ -28,6 +35,13 @@ static inline stp_intensity_range stp_intensity_find_range(double low, double hi
         return (stp_intensity_range){low, high > low ? high : above};
     }
     return (stp_intensity_range){0.0, high <= 1.0 ? 1.0 : high <= 255.0 ? 255.0 : 65535.0};
+}
+
+/// The value of white, from the brightest colour of a file that does not specify it: 1 if colours
+/// may be fractions and none is above 1; 255 or 65535 otherwise.
+static inline double stp_color_white(double bright, bool may_be_fractions)
+{
+    return bright > 255.0 ? 65535.0 : bright <= 1.0 && may_be_fractions ? 1.0 : 255.0;
 }
 
 /// The factor for the difference from `low`.

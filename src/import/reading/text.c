@@ -165,6 +165,22 @@ stp_text stp_read_integer(stp_text at, int64_t* value)
     return at;
 }
 
+size_t stp_text_mark(stp_text bytes, size_t size)
+{
+    static const unsigned char mark[] = {0xef, 0xbb, 0xbf};
+    const size_t head = size < 4096 ? size : 4096;
+    bool marked = size >= sizeof(mark) && memcmp(bytes, mark, sizeof(mark)) == 0;
+    return marked && memchr(bytes, 0, head) == NULL ? sizeof(mark) : 0;
+}
+
+void stp_text_end_lines(unsigned char* bytes, size_t size)
+{
+    for (size_t i = 0; i < size; ++i) {
+        assert(bytes[i] != '\n' && "it has no line feeds");
+        bytes[i] = bytes[i] == '\r' ? '\n' : bytes[i];
+    }
+}
+
 size_t stp_whole_lines(stp_text bytes, size_t size)
 {
     while (size > 0 && bytes[size - 1] != '\n') {

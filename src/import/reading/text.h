@@ -53,6 +53,12 @@ stp_text stp_read_number(stp_text at, double* value);
 /// @return the text after it, or NULL if it is not a number
 stp_text stp_read_integer(stp_text at, int64_t* value);
 
+/// Bytes of the byte order mark of UTF-8 with which a text begins; 0: it has none, or is binary.
+size_t stp_text_mark(stp_text bytes, size_t size);
+
+/// In a text without line feeds, makes carriage returns the ends of lines (classic Mac OS).
+void stp_text_end_lines(unsigned char* bytes, size_t size);
+
 /// Splits bytes into whole lines, used in place, and an unfinished last line, which the caller
 /// copies. @return the number of bytes in whole lines
 size_t stp_whole_lines(stp_text bytes, size_t size);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
 // STL, ascii and binary. Corners at the same position become one vertex, so meshes are indexed and
-// flat-shaded; facet normals are ignored, only the winding counts. Colours in the attribute bytes
-// are ignored, because VisCAM and Magics define them in opposite ways. The default up axis is z, as
-// in CAD programs and printers.
+// flat-shaded; facet normals are ignored, only the winding counts. The default up axis is z, as in
+// CAD programs and printers.
 #include "base/io/bytes.h"
+#include "import/reading/point_columns.h"
 #include "import/reading/surface.h"
 #include "import/reading/text.h"
 #include "import/stl/stl_weld.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #define HEADER_SIZE ((size_t)84)
@@ -25,13 +26,23 @@ typedef struct reader {
     size_t tail_at;            ///< where it is in the file
     size_t facet_start;        ///< indices before the facet in the making
     const char* name;          ///< name of the solid being read; may be NULL
+    double origin[3];          ///< subtracted from positions
+    bool placed;               ///< the origin was chosen
 } reader;
 
-static stp_result fail_facet(const reader* r, uint64_t facet)
+// Colours of the welded vertices. @return false if memory runs out
+static bool make_colors(const reader* r, uint16_t** colors)
 {
-    return stp_fail(r->context, STP_ERROR_FORMAT,
-                    "%s: facet %llu has a position that is not finite", r->import->path,
-                    (unsigned long long)facet + 1);
+    const stp_weld* weld = &r->weld;
+    *colors = NULL;
+    if (weld->colors == NULL) {
+        return true;
+    }
+    *colors = STP_NEW_ARRAY(r->context, uint16_t, 4 * weld->vertex_count);
+    for (size_t i = 0; i < weld->vertex_count && *colors != NULL; ++i) {
+        stp_stl_color(weld->coding, r->import->file.bytes, weld->colors[i], *colors + 4 * i);
+    }
+    return *colors != NULL;
 }
 
 // Adds the collected triangles as an object below the root; without a name, and before any named
@@ -57,6 +68,9 @@ static stp_result end_solid(reader* r, const char* name)
                          .indices = weld->indices,
                          .material = r->material};
         stp_part part = {.kind = STP_PART_MESH};
+        if (result == STP_OK && !make_colors(r, &mesh.colors)) {
+            result = stp_fail_memory(r->context);
+        }
         if (result == STP_OK) {
             weld->positions = NULL;
             weld->indices = NULL;
@@ -78,10 +92,10 @@ static stp_result read_binary(reader* r, size_t facet_count)
                         r->import->path);
     }
     assert(HEADER_SIZE + facet_count * STP_STL_FACET_SIZE <= r->import->file.size);
-    stp_result result = stp_weld_begin(&r->weld, facets, facet_count);
+    stp_stl_coding coding = stp_stl_find_coding(r->import->file.bytes, facet_count);
+    stp_result result = stp_weld_begin(&r->weld, facets, facet_count, coding);
     for (size_t i = 0; result == STP_OK && i < 3 * facet_count; ++i) {
-        stp_vec3 p = stp_stl_corner(facets, i);
-        result = stp_is_finite(p) ? stp_weld_add(&r->weld, p) : fail_facet(r, i / 3);
+        result = stp_weld_add(&r->weld, stp_stl_corner(facets, i));
     }
     return result == STP_OK ? end_solid(r, NULL) : result;
 }
@@ -104,10 +118,14 @@ static stp_result read_vertex(reader* r, stp_text at, bool in_tail)
     if (next == NULL) {
         return fail_line(r, at, in_tail, "expected three coordinates");
     }
-    stp_vec3 p = {(float)n[0] + 0.0f, (float)n[1] + 0.0f, (float)n[2] + 0.0f}; // -0 becomes 0
-    if (!stp_is_finite(p)) {
-        return fail_line(r, at, in_tail, "a coordinate is not finite");
-    }
+    if (!r->placed && isfinite(n[0]) && isfinite(n[1]) && isfinite(n[2])) {
+        stp_import_choose_origin(n, r->origin);
+        stp_import_set_origin(r->import, r->origin);
+        r->placed = true;
+    } // before, the facets are dropped
+    const double* o = r->origin;
+    stp_vec3 p = {(float)(n[0] - o[0]) + 0.0f, (float)(n[1] - o[1]) + 0.0f,
+                  (float)(n[2] - o[2]) + 0.0f}; // -0 becomes 0
     if (r->weld.index_count >= STP_NONE - 1) {
         return stp_fail(r->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
                         r->import->path);
@@ -183,6 +201,9 @@ static stp_result read_ascii(reader* r)
     }
     memcpy(tail, bytes + whole, size - whole);
     tail[size - whole] = '\n';
+    if (whole == 0) {
+        stp_text_end_lines(tail, size);
+    }
     r->tail = tail;
     r->tail_at = whole;
     stp_result result = read_lines(r, bytes, bytes + whole, false);

@@ -17,28 +17,36 @@ stp_vec3 stp_stl_corner(const unsigned char* facets, size_t corner)
                       stp_read_f32(bytes + 8) + 0.0f};
 }
 
-// The start slot of a position's search. Seeded with an address, so that a malicious file cannot
+// What corners of a vertex have in common.
+typedef struct corner_key {
+    stp_vec3 place;
+    uint32_t color;
+} corner_key;
+
+// The start slot of a corner's search. Seeded with an address, so that a malicious file cannot
 // cause collisions.
-static size_t first_slot(const stp_weld* weld, stp_vec3 place)
+static size_t first_slot(const stp_weld* weld, const corner_key* key)
 {
     assert(weld->slot_count > 0 && (weld->slot_count & (weld->slot_count - 1)) == 0);
     stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};
-    return stp_hash_bytes(seed, &place, sizeof(place)).low & (weld->slot_count - 1);
+    return stp_hash_bytes(seed, key, sizeof(*key)).low & (weld->slot_count - 1);
 }
 
-static stp_vec3 place_of(const stp_weld* weld, uint32_t entry)
+static corner_key key_of(const stp_weld* weld, uint32_t entry)
 {
     assert(entry < (weld->facets != NULL ? weld->index_count : weld->vertex_count));
     if (weld->facets != NULL) {
-        return stp_stl_corner(weld->facets, entry);
+        return (corner_key){stp_stl_corner(weld->facets, entry),
+                            stp_stl_color_bits(weld->coding, weld->facets, entry)};
     }
     const float* p = weld->positions + 3 * (size_t)entry;
-    return (stp_vec3){p[0], p[1], p[2]};
+    return (corner_key){.place = {p[0], p[1], p[2]}};
 }
 
 static void insert(stp_weld* weld, uint32_t entry)
 {
-    size_t slot = first_slot(weld, place_of(weld, entry));
+    corner_key key = key_of(weld, entry);
+    size_t slot = first_slot(weld, &key);
     while (weld->slots[slot] != 0) {
         slot = (slot + 1) & (weld->slot_count - 1);
     }
@@ -82,10 +90,12 @@ static stp_result keep_place(stp_weld* weld, stp_vec3 place)
     return STP_OK;
 }
 
-stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count)
+stp_result stp_weld_begin(stp_weld* weld, const unsigned char* facets, size_t count,
+                          stp_stl_coding coding)
 {
     assert(count < UINT32_MAX / 3 && weld->index_count == 0 && "it starts empty");
     weld->facets = facets;
+    weld->coding = coding;
     weld->indices = STP_NEW_ARRAY(weld->context, uint32_t, 3 * count);
     weld->index_capacity = 3 * count;
     return weld->indices != NULL ? STP_OK : stp_fail_memory(weld->context);
@@ -107,11 +117,15 @@ stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
     }
     assert(2 * weld->vertex_count < weld->slot_count && "searches end at a free slot");
     uint32_t* indices = weld->indices;
-    size_t slot = first_slot(weld, place);
+    corner_key key = {.place = place};
+    if (weld->facets != NULL) {
+        key.color = stp_stl_color_bits(weld->coding, weld->facets, weld->index_count);
+    }
+    size_t slot = first_slot(weld, &key);
     for (uint32_t found; (found = weld->slots[slot]) != 0;
          slot = (slot + 1) & (weld->slot_count - 1)) {
-        stp_vec3 other = place_of(weld, found - 1);
-        if (memcmp(&place, &other, sizeof(place)) == 0) {
+        corner_key other = key_of(weld, found - 1);
+        if (memcmp(&key, &other, sizeof(key)) == 0) {
             indices[weld->index_count++] = weld->facets != NULL ? indices[found - 1] : found - 1;
             return STP_OK;
         }
@@ -134,7 +148,10 @@ stp_result stp_weld_finish(stp_weld* weld)
         return STP_OK;
     }
     weld->positions = stp_alloc_array(weld->context, weld->vertex_count, 3 * sizeof(float));
-    if (weld->positions == NULL) {
+    if (weld->coding != STP_STL_PLAIN) {
+        weld->colors = STP_NEW_ARRAY(weld->context, uint16_t, weld->vertex_count);
+    }
+    if (weld->positions == NULL || (weld->colors == NULL && weld->coding != STP_STL_PLAIN)) {
         return stp_fail_memory(weld->context);
     }
     uint32_t vertex = 0;
@@ -142,6 +159,9 @@ stp_result stp_weld_finish(stp_weld* weld)
         if (weld->indices[i] == vertex) {
             stp_vec3 place = stp_stl_corner(weld->facets, i);
             memcpy(weld->positions + 3 * (size_t)vertex, &place, sizeof(place));
+            if (weld->colors != NULL) {
+                weld->colors[vertex] = stp_stl_color_bits(weld->coding, weld->facets, i);
+            }
             vertex += 1;
         }
     }
@@ -153,6 +173,7 @@ void stp_weld_clear(stp_weld* weld)
 {
     stp_free(weld->context, weld->slots);
     stp_free(weld->context, weld->positions);
+    stp_free(weld->context, weld->colors);
     stp_free(weld->context, weld->indices);
     *weld = (stp_weld){.context = weld->context};
 }

@@ -53,23 +53,13 @@ static stp_result read_points(stp_import* import, const stp_text_blocks* blocks,
     return result == STP_OK ? stp_cloud_finish(cloud, NULL, &pose) : result;
 }
 
-// The byte order mark that spreadsheets write before UTF-8. @return its bytes
-static size_t measure_mark(const stp_mapped_file* file)
-{
-    static const unsigned char mark[] = {0xef, 0xbb, 0xbf};
-    bool marked = file->size >= sizeof(mark) && memcmp(file->bytes, mark, sizeof(mark)) == 0;
-    return marked ? sizeof(mark) : 0;
-}
-
 stp_result stp_points_text_read(stp_import* import, bool intensity_first)
 {
     stp_text_blocks blocks;
-    size_t mark = measure_mark(&import->file);
     stp_cloud cloud = {0};
     stp_cloud_set_axes(import);
     stp_result result =
-        stp_text_blocks_create(import->context, (const unsigned char*)import->file.bytes + mark,
-                               import->file.size - mark, &blocks);
+        stp_text_blocks_create(import->context, import->file.bytes, import->file.size, &blocks);
     result = result == STP_OK ? read_points(import, &blocks, intensity_first, &cloud) : result;
     stp_cloud_destroy(&cloud);
     stp_text_blocks_destroy(&blocks);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "import/text/text_columns.h"
 
+#include "import/reading/scan_values.h"
+
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -42,6 +44,9 @@ static const struct {
     {"red", STP_COLUMN_R},
     {"green", STP_COLUMN_G},
     {"blue", STP_COLUMN_B},
+    {"rf", STP_COLUMN_R},
+    {"gf", STP_COLUMN_G},
+    {"bf", STP_COLUMN_B},
     {"i", STP_COLUMN_INTENSITY},
     {"intensity", STP_COLUMN_INTENSITY},
     {"reflectance", STP_COLUMN_INTENSITY},
@@ -196,13 +201,13 @@ static bool read_header(stp_text at, uint32_t wanted, stp_columns* columns)
     return columns->count == wanted && check_columns(columns) == NULL;
 }
 
-static bool all_within(const samples* s, uint32_t column, token_kind kind, double low, double high)
+static bool all_within(const samples* s, uint32_t column, double low, double high)
 {
     assert(column < s->columns);
     for (size_t i = 0; i < s->count; ++i) {
         const row* r = &s->rows[i];
-        bool good = r->kinds[column] == kind || (kind == TOKEN_FRACTION && r->kinds[column] != 0);
-        if (!good || !(r->values[column] >= low && r->values[column] <= high)) {
+        if (r->kinds[column] == TOKEN_WORD ||
+            !(r->values[column] >= low && r->values[column] <= high)) {
             return false;
         }
     }
@@ -220,14 +225,25 @@ static bool any_fraction(const samples* s, uint32_t column, uint32_t count)
     return false;
 }
 
+// Whether a column has only whole numbers up to a maximum, as 117 or 117.000.
+static bool all_whole(const samples* s, uint32_t column, double maximum)
+{
+    bool whole = all_within(s, column, 0.0, maximum);
+    for (size_t i = 0; i < s->count && whole; ++i) {
+        whole = floor(s->rows[i].values[column]) == s->rows[i].values[column];
+    }
+    return whole;
+}
+
 static bool are_colors(const samples* s, uint32_t column, double maximum)
 {
-    bool whole = true, parts = true;
+    bool whole = true, parts = true, points = any_fraction(s, column, 3);
+    maximum = points ? 255.0 : maximum;
     for (uint32_t c = column; c < column + 3; ++c) {
-        whole = whole && all_within(s, c, TOKEN_INTEGER, 0.0, maximum);
-        parts = parts && all_within(s, c, TOKEN_FRACTION, 0.0, 1.0);
+        whole = whole && all_whole(s, c, maximum);
+        parts = parts && all_within(s, c, 0.0, 1.0);
     }
-    return whole || (parts && any_fraction(s, column, 3));
+    return whole || (parts && points);
 }
 
 // Whether columns are unit vectors, some perhaps zero, and not all of them unsigned whole numbers.
@@ -292,7 +308,7 @@ static void guess(const samples* s, bool intensity_first, stp_columns* c)
     }
     guess_colors(s, intensity_first, c);
     for (uint32_t i = 3; i < c->count; ++i) {
-        bool numbers = all_within(s, i, TOKEN_FRACTION, -(double)INFINITY, (double)INFINITY);
+        bool numbers = all_within(s, i, -(double)INFINITY, (double)INFINITY);
         if (c->roles[i] == STP_COLUMN_SKIP && numbers) {
             c->roles[i] = STP_COLUMN_INTENSITY;
             break;
@@ -416,9 +432,8 @@ static void measure(const samples* s, stp_columns_found* found)
     for (uint32_t c = 0; c < found->columns.count; ++c) {
         uint8_t role = found->columns.roles[c];
         for (size_t i = 0; i < s->count && role != STP_COLUMN_SKIP; ++i) {
-            double value = s->rows[i].values[c];
-            found->ranges.low[role] = fmin(found->ranges.low[role], value);
-            found->ranges.high[role] = fmax(found->ranges.high[role], value);
+            stp_range_add(s->rows[i].values[c], &found->ranges.low[role],
+                          &found->ranges.high[role]);
         }
         bool color = role >= STP_COLUMN_R && role <= STP_COLUMN_B;
         found->color_fractions = found->color_fractions || (color && any_fraction(s, c, 1));

@@ -44,18 +44,14 @@ stp_point_columns_desc stp_text_points_wants(const stp_columns* columns)
 static scales choose_scales(const stp_column_ranges* r, bool color_fractions)
 {
     double bright = fmax(fmax(r->high[STP_COLUMN_R], r->high[STP_COLUMN_G]), r->high[STP_COLUMN_B]);
-    bool fractions = bright <= 1.0 && color_fractions;
-    return (scales){.color = bright > 255.0 ? 65535.0
-                             : fractions    ? 1.0
-                                            : 255.0,
+    return (scales){.color = stp_color_white(bright, color_fractions),
                     .intensity = stp_intensity_find_range(r->low[STP_COLUMN_INTENSITY],
                                                           r->high[STP_COLUMN_INTENSITY])};
 }
 
 static inline void widen(stp_column_ranges* r, int column, double value)
 {
-    r->low[column] = value < r->low[column] ? value : r->low[column];
-    r->high[column] = value > r->high[column] ? value : r->high[column];
+    stp_range_add(value, &r->low[column], &r->high[column]);
 }
 
 // Columns other than the position.
