@@ -37,6 +37,7 @@ static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void
     bool done = false;
     for (int n = 0; !done; n += 1 + n / stride) {
         test_heap heap = TEST_HEAP(n);
+        heap.forever = n % 2 != 0;
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         stp_result result = context != NULL ? use(context, user) : STP_ERROR_OUT_OF_MEMORY;
