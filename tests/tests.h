@@ -9,6 +9,7 @@
 
 #include <assert.h>
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #define TEST(name) void test_##name(test_state* test);
@@ -17,7 +18,8 @@
 
 /// Counts live bytes and fails on request; several threads may use it at once.
 typedef struct test_heap {
-    int fail_at; ///< allocations that succeed before one fails; negative: never fail
+    int fail_at;  ///< allocations that succeed before one fails; negative: never fail
+    bool forever; ///< all later ones fail, too
     int count;
     size_t live_bytes;
     pthread_mutex_t mutex;
@@ -32,7 +34,9 @@ static inline void* test_heap_alloc(size_t size, size_t alignment, void* user)
 {
     test_heap* heap = user;
     pthread_mutex_lock(&heap->mutex);
-    int fails = heap->count++ == heap->fail_at;
+    bool fails = heap->count == heap->fail_at ||
+                 (heap->forever && heap->fail_at >= 0 && heap->count > heap->fail_at);
+    heap->count += 1;
     heap->live_bytes += fails ? 0 : size;
     pthread_mutex_unlock(&heap->mutex);
     return fails ? NULL : aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));

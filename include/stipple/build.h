@@ -157,7 +157,8 @@ typedef struct stp_write_report {
 
 /// Builds and writes. Reports progress and can be cancelled through the context's callback. The
 /// same input and options give the same bytes, for any number of threads. Afterwards only
-/// stp_builder_get_bytes and stp_builder_destroy may be called.
+/// stp_builder_get_bytes and stp_builder_destroy may be called, unless the options were refused
+/// (STP_ERROR_ARGUMENT) or nothing was added: then the builder is as before.
 /// @return STP_OK; STP_ERROR_ARGUMENT, STP_ERROR_IO, STP_ERROR_BUSY (another program builds the
 /// same file), STP_ERROR_CANCELLED, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, and for input files
 /// the results of stp_model_open
@@ -165,7 +166,7 @@ STP_API STP_MUST_USE stp_result stp_builder_write(stp_builder* builder, const st
                                                   stp_write_report* report);
 
 /// Bytes of a file built in memory, aligned for stp_model_desc.bytes. The builder owns them: close
-/// models opened from them before destroying it. NULL if there are none.
+/// models opened from them before destroying it. NULL if there are none. `size` may be NULL.
 STP_API const void* stp_builder_get_bytes(const stp_builder* builder, size_t* size);
 
 #ifdef __cplusplus

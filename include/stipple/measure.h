@@ -10,7 +10,8 @@
 extern "C" {
 #endif
 
-/// Unit and up axis of the source file (inside the library, y is up).
+/// Unit and up axis of the source file (inside the library, y is up). Where a function takes a
+/// pointer to it, NULL means no unit and y.
 typedef struct stp_measuring {
     double unit_metres; ///< metres per unit of the file; 0: unknown
     /// Metres per unit of formatted texts; 0, or if the file's unit is unknown: the file's unit.
@@ -31,8 +32,8 @@ STP_API stp_distance stp_measure_distance(stp_vec3d from, stp_vec3d to);
 /// them equals the corner.
 STP_API double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to);
 
-/// Area of a polygon projected along its own normal (Newell's), and its perimeter. The area of
-/// fewer than 3 points is 0.
+/// Area of a polygon projected along its own normal (Newell's), and its perimeter (may be NULL). The
+/// area of fewer than 3 points is 0.
 STP_API double stp_measure_area(const stp_vec3d* points, size_t count, double* perimeter);
 
 /// Coordinates of a point in the file's axes.

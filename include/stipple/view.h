@@ -9,6 +9,10 @@
 extern "C" {
 #endif
 
+/// Range of stp_view.fov_degrees.
+#define STP_FOV_DEGREES_MIN 1e-3
+#define STP_FOV_DEGREES_MAX 179.9
+
 enum { STP_SECTION_PLANES = 14 }; ///< eight, plus the six of a box
 
 /// A section plane in scene space: the half space normal . p > distance is cut away.
@@ -25,12 +29,13 @@ typedef struct stp_sections {
 
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
-    stp_vec3d eye, target; ///< scene space; must differ
+    stp_vec3d eye, target; ///< scene space, to 1e24 in size; must differ
     /// Scene space, any length; need not be orthogonal to the viewing direction. If it is zero or
     /// parallel to that, a coordinate axis is used instead.
     stp_vec3d up;
-    double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set
-    /// Parallel projection: height of the picture in scene units; 0: perspective
+    /// Vertical, STP_FOV_DEGREES_MIN to STP_FOV_DEGREES_MAX; ignored where ortho_height is set
+    double fov_degrees;
+    /// Parallel projection: height of the picture in scene units, above 0; 0: perspective
     double ortho_height;
     double near_distance;   ///< near plane distance; 0: derived from the distance to the target
     uint32_t width, height; ///< pixels, at least 1

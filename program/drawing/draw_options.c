@@ -33,7 +33,7 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
         {.name = "fov",
          .type = OPTION_NUMBER,
          .argument = "DEG",
-         .words = "1..179",
+         .words = "0.001..179.9",
          .help = "vertical field of view; default that of the view, or 60",
          .value = &o->fov,
          .group = "Camera",

@@ -112,7 +112,8 @@ static stp_result read_flight(reader* r, const json_t* root, stp_flight* flight)
     if (!json_is_object(root)) {
         return stp_fail(r->context, STP_ERROR_FORMAT, "%s: a flight is one JSON object", r->name);
     }
-    stp_result result = read_setting(r, root, "fov", 1.0, 179.0, 60.0, &flight->fov_degrees);
+    stp_result result = read_setting(r, root, "fov", STP_FOV_DEGREES_MIN, STP_FOV_DEGREES_MAX, 60.0,
+                                     &flight->fov_degrees);
     if (result == STP_OK) {
         result = read_setting(r, root, "fps", 0.01, 1000.0, 60.0, &flight->fps);
     }

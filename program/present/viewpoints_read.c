@@ -5,9 +5,10 @@
 #include "program/present/viewpoints_internal.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
-static const double max_coordinate = 1e18;
+static const double max_coordinate = 1e18, min_height = 1e-18;
 
 typedef struct reader {
     stp_context* context;
@@ -32,14 +33,16 @@ static stp_result read_vector(const reader* r, const json_t* from, const char* m
     return STP_OK;
 }
 
-/// Reads an optional number (default 0).
-static stp_result read_number(const reader* r, const json_t* from, const char* member,
-                              double maximum, double* number)
+/// Reads an optional number from `low` to `high` (default 0).
+static stp_result read_number(const reader* r, const json_t* from, const char* member, double low,
+                              double high, double* number)
 {
     const json_t* json = json_object_get(from, member);
     *number = json_number_value(json);
-    if (json != NULL && (!json_is_number(json) || !(*number > 0.0 && *number <= maximum))) {
-        return fail_member(r, member, "a number above 0");
+    if (json != NULL && (!json_is_number(json) || !(*number >= low && *number <= high))) {
+        char expected[80];
+        snprintf(expected, sizeof(expected), "a number from %.15g to %.15g", low, high);
+        return fail_member(r, member, expected);
     }
     return STP_OK;
 }
@@ -155,10 +158,12 @@ static stp_result read_camera(const reader* r, const json_t* from, stp_viewpoint
     if (result == STP_OK && json_object_get(from, "up") != NULL) {
         result = read_vector(r, from, "up", &view->up);
     }
-    result = result == STP_OK ? read_number(r, from, "fov", 179.0, &view->fov_degrees) : result;
-    result = result == STP_OK
-                 ? read_number(r, from, "ortho_height", max_coordinate, &view->ortho_height)
-                 : result;
+    result = result == STP_OK ? read_number(r, from, "fov", STP_FOV_DEGREES_MIN,
+                                            STP_FOV_DEGREES_MAX, &view->fov_degrees)
+                              : result;
+    result = result == STP_OK ? read_number(r, from, "ortho_height", min_height, max_coordinate,
+                                            &view->ortho_height)
+                              : result;
     stp_vec3d gaze = stp_subd(view->target, view->eye);
     if (result == STP_OK && !(stp_dotd(gaze, gaze) > 0.0)) {
         return fail_member(r, "target", "different from \"eye\"");

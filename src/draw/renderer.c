@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "draw/renderer.h"
 
+#include "select/eyes.h"
+
 #include <assert.h>
+
+enum { SIDE_LIMIT = 65536 };
 
 #ifndef NDEBUG
 /// Whether ids of items ascend, and their runs are in the list.
@@ -17,6 +21,26 @@ static bool is_drawable(const stp_draw_list* list)
     return good;
 }
 #endif
+
+stp_result stp_renderer_check_view(const stp_renderer* renderer, const stp_view* view,
+                                   const stp_image* image)
+{
+    stp_result result = stp_view_check(renderer->context, view);
+    if (result == STP_OK && image != NULL &&
+        (image->width != view->width || image->height != view->height)) {
+        return stp_fail(renderer->context, STP_ERROR_ARGUMENT,
+                        "view: its size is %u x %u, that of the image %u x %u", view->width,
+                        view->height, image->width, image->height);
+    }
+    if (result == STP_OK && (view->width > SIDE_LIMIT || view->height > SIDE_LIMIT ||
+                             (uint64_t)view->width * view->height > UINT32_MAX / 4)) {
+        return stp_fail(renderer->context, STP_ERROR_ARGUMENT,
+                        "view: %u x %u pixels are more than the limit of %d on a side and 2^30 in "
+                        "all",
+                        view->width, view->height, SIDE_LIMIT);
+    }
+    return result;
+}
 
 void stp_renderer_destroy(stp_renderer* renderer)
 {

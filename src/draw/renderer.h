@@ -27,6 +27,11 @@ static inline bool stp_renderer_is_stopped(const stp_renderer* renderer)
     return renderer->stop != NULL && atomic_load_explicit(renderer->stop, memory_order_relaxed);
 }
 
+/// Checks a view, and that the image (NULL: not wanted) has its size. @return STP_OK or
+/// STP_ERROR_ARGUMENT (logged)
+STP_MUST_USE stp_result stp_renderer_check_view(const stp_renderer* renderer, const stp_view* view,
+                                                const stp_image* image);
+
 // A view at rest: whether the picture is still the same, and which of its samples is next.
 
 /// Zero-initialize it.

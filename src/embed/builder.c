@@ -16,6 +16,9 @@ static char* copy_text(stp_context* context, const char* text)
 
 stp_result stp_builder_check(const stp_builder* builder, uint32_t material)
 {
+    if (builder == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
     if (builder->written) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
                         "stp_builder: already written; create another one");
@@ -64,8 +67,15 @@ stp_result stp_builder_create(stp_context* context, const stp_builder_desc* give
                               stp_builder** builder)
 {
     stp_builder_desc desc;
+    if (context == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
+    stp_result result = STP_CHECK_POINTER(context, builder);
+    if (result != STP_OK) {
+        return result;
+    }
     *builder = NULL;
-    stp_result result = STP_READ_DESC(context, stp_builder_desc, &desc, given);
+    result = STP_READ_DESC(context, stp_builder_desc, &desc, given);
     if (result != STP_OK) {
         return result;
     }
@@ -110,11 +120,12 @@ void stp_builder_destroy(stp_builder* builder)
 stp_result stp_builder_add_file(stp_builder* builder, const char* path)
 {
     static const char generated[] = "scene:"; // would not be recognized as a file
-    stp_context* context = builder->context;
-    stp_result result = stp_builder_check(builder, 0);
+    stp_result result = STP_CHECK_CALL(builder, path);
+    result = result == STP_OK ? stp_builder_check(builder, 0) : result;
     if (result != STP_OK) {
         return result;
     }
+    stp_context* context = builder->context;
     bool room =
         STP_MAKE_ROOM(context, builder->files, builder->file_capacity, builder->file_count + 1);
     bool is_scene_name = strncmp(path, generated, sizeof(generated) - 1) == 0;
@@ -150,7 +161,11 @@ static bool is_material_valid(const stp_material_desc* desc)
         picture == NULL || (picture->pixels != NULL && picture->width > 0 && picture->height > 0 &&
                             picture->width <= 65536 && picture->height <= 65536 &&
                             row_stride(desc) >= (size_t)picture->width * 4);
-    return has_pixels && are_finite(desc->base_color, 4) && are_finite(desc->emissive, 3) &&
+    bool has_color = are_finite(desc->base_color, 4);
+    for (int i = 0; i < 4; ++i) {
+        has_color = has_color && desc->base_color[i] <= 1.0f;
+    }
+    return has_pixels && has_color && are_finite(desc->emissive, 3) &&
            are_finite(&desc->metallic, 1) && desc->metallic <= 1.0f &&
            are_finite(&desc->roughness, 1) && desc->roughness <= 1.0f &&
            are_finite(&desc->alpha_cutoff, 1);
@@ -179,8 +194,11 @@ stp_result stp_builder_add_material(stp_builder* builder, const stp_material_des
 {
     static const float none[4] = {0};
     stp_material_desc desc;
-    stp_result result = STP_READ_DESC(builder->context, stp_material_desc, &desc, given);
-    result = result == STP_OK ? stp_builder_check(builder, 0) : result;
+    stp_result result = stp_builder_check(builder, 0);
+    result = result == STP_OK ? STP_CHECK_CALL(builder, material) : result;
+    if (result == STP_OK) {
+        result = STP_READ_DESC(builder->context, stp_material_desc, &desc, given);
+    }
     if (result != STP_OK) {
         return result;
     }
@@ -214,6 +232,29 @@ stp_result stp_builder_add_material(stp_builder* builder, const stp_material_des
     return result;
 }
 
+static bool is_transform_finite(const stp_affine* transform)
+{
+    bool finite = true;
+    for (int i = 0; i < 12; ++i) {
+        finite = finite && isfinite(transform->m[i / 4][i % 4]);
+    }
+    return finite;
+}
+
+static stp_result check_transforms(const stp_builder* builder, const stp_object_desc* desc)
+{
+    if (desc->instance_count > 0 && desc->instances == NULL) {
+        return stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_object_desc: no instances");
+    }
+    bool finite = is_transform_finite(&desc->transform);
+    for (size_t i = 0; i < desc->instance_count && finite; ++i) {
+        finite = is_transform_finite(&desc->instances[i]);
+    }
+    return finite ? STP_OK
+                  : stp_fail(builder->context, STP_ERROR_ARGUMENT,
+                             "stp_object_desc: a transform is not finite");
+}
+
 static stp_result check_object(const stp_builder* builder, const stp_object_desc* desc)
 {
     if (desc->parent > builder->staged->object_count) {
@@ -226,9 +267,7 @@ static stp_result check_object(const stp_builder* builder, const stp_object_desc
                             "stp_object_desc: part %zu was not added", i);
         }
     }
-    return desc->instance_count == 0 || desc->instances != NULL
-               ? STP_OK
-               : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_object_desc: no instances");
+    return check_transforms(builder, desc);
 }
 
 stp_result stp_builder_add_object(stp_builder* builder, const stp_object_desc* given,
@@ -236,8 +275,10 @@ stp_result stp_builder_add_object(stp_builder* builder, const stp_object_desc* g
 {
     static const stp_affine none = {0};
     stp_object_desc desc;
-    stp_result result = STP_READ_DESC(builder->context, stp_object_desc, &desc, given);
-    result = result == STP_OK ? stp_builder_check(builder, 0) : result;
+    stp_result result = stp_builder_check(builder, 0);
+    if (result == STP_OK) {
+        result = STP_READ_DESC(builder->context, stp_object_desc, &desc, given);
+    }
     result = result == STP_OK ? check_object(builder, &desc) : result;
     if (result != STP_OK) {
         return result;

@@ -107,14 +107,17 @@ static uint32_t* copy_indices(stp_context* context, const stp_mesh_desc* d, bool
 
 stp_result stp_builder_add_mesh(stp_builder* builder, const stp_mesh_desc* given, uint32_t* part)
 {
-    stp_context* context = builder->context;
-    stp_mesh_desc d;
-    stp_result result = STP_READ_DESC(context, stp_mesh_desc, &d, given);
+    stp_mesh_desc d = {0};
+    stp_result result = stp_builder_check(builder, 0);
+    if (result == STP_OK) {
+        result = STP_READ_DESC(builder->context, stp_mesh_desc, &d, given);
+    }
     result = result == STP_OK ? stp_builder_check(builder, d.material) : result;
     result = result == STP_OK ? check_mesh(builder, &d) : result;
     if (result != STP_OK) {
         return result;
     }
+    stp_context* context = builder->context;
     bool failed = false;
     size_t vertices = d.vertex_count;
     stp_mesh mesh = {
@@ -163,13 +166,16 @@ static void limit_times(double* times, size_t count)
 stp_result stp_builder_add_points(stp_builder* builder, const stp_points_desc* given,
                                   uint32_t* part)
 {
-    stp_context* context = builder->context;
-    stp_points_desc d;
-    stp_result result = STP_READ_DESC(context, stp_points_desc, &d, given);
+    stp_points_desc d = {0};
+    stp_result result = stp_builder_check(builder, 0);
+    if (result == STP_OK) {
+        result = STP_READ_DESC(builder->context, stp_points_desc, &d, given);
+    }
     result = result == STP_OK ? stp_builder_check(builder, d.material) : result;
     if (result != STP_OK) {
         return result;
     }
+    stp_context* context = builder->context;
     if (d.positions == NULL || d.point_count == 0 || d.point_count >= STP_NONE) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "stp_points_desc: no points, or too many for one set");

@@ -2,10 +2,10 @@
 // Builds the collected input into a file, or through a temporary file into memory.
 #include "base/io/file.h"
 #include "builder/build_scene.h"
-#include "builder/work.h"
 #include "embed/builder.h"
 
 #include <assert.h>
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,10 +58,34 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
     for (size_t i = 0; i < builder->file_count; ++i) {
         list[(*count)++] = builder->files[i];
     }
-    assert(*count <= builder->file_count + 1);
-    return *count > 0
-               ? STP_OK
-               : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_builder: nothing was added");
+    assert(*count > 0 && *count <= builder->file_count + 1);
+    return STP_OK;
+}
+
+static const char* method_names(const stp_write_desc* desc)
+{
+    return desc->methods != NULL ? desc->methods : "blue";
+}
+
+/// Whether there is something to build, by known methods and a possible ratio; else the builder can still be used.
+static stp_result check_write(const stp_builder* builder, const stp_write_desc* desc)
+{
+    const stp_method* methods[METHODS_MAX];
+    if (parse_methods(method_names(desc), methods) == 0) {
+        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
+                        "stp_write_desc: methods \"%s\" are not blue, spt, psp and stochastic, "
+                        "each once",
+                        desc->methods);
+    }
+    double ratio = desc->triangles_per_splat;
+    if (!(ratio == 0.0 || (ratio >= 0.001 && ratio <= 1e6))) {
+        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
+                        "stp_write_desc: triangles_per_splat is %g, not 0.001 to 1000000", ratio);
+    }
+    bool empty =
+        builder->part_count == 0 && builder->staged->object_count == 0 && builder->file_count == 0;
+    return empty ? stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_builder: nothing was added")
+                 : STP_OK;
 }
 
 static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
@@ -70,7 +94,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
     assert(builder->written && !builder->moved && "a builder builds once");
     const stp_method* methods[METHODS_MAX];
     char parameters[PARAMETERS_ROOM];
-    const char* names = desc->methods != NULL ? desc->methods : "blue";
+    const char* names = method_names(desc);
     const char** inputs = NULL;
     uint64_t threshold = desc->threshold != 0 ? desc->threshold : STP_BUILD_DEFAULT_THRESHOLD;
     stp_build_desc build = {
@@ -86,18 +110,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
         .parameters_json = parameters,
         .generate = stp_builder_move,
         .generate_user = builder};
-    if (build.method_count == 0) {
-        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                        "stp_write_desc: methods \"%s\" are not blue, spt, psp and stochastic, "
-                        "each once",
-                        names);
-    }
-    if (!(desc->triangles_per_splat == 0.0 ||
-          (desc->triangles_per_splat >= 0.001 && desc->triangles_per_splat <= 1e6))) {
-        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                        "stp_write_desc: triangles_per_splat is %g, not 0.001 to 1000000",
-                        desc->triangles_per_splat);
-    }
+    assert(build.method_count > 0 && "was checked");
     snprintf(parameters, sizeof(parameters),
              "{\"method\":\"%s\",\"surfels\":%u,\"surfel_ratio\":%.9g,\"threshold\":%llu}", names,
              desc->splat_limit, desc->triangles_per_splat, (unsigned long long)threshold);
@@ -141,14 +154,18 @@ static char* join(stp_context* context, const char* first, const char* second)
     return joined;
 }
 
-/// Removes the intermediate results that a failed build keeps.
-static void remove_work(stp_context* context, const char* folder)
+/// Removes a folder of our own and the files in it. Needs no memory of the context, which may have
+/// run out.
+static void remove_folder(const char* path)
 {
-    struct stat status;
-    stp_work* work = NULL;
-    if (stat(folder, &status) == 0 && stp_work_open(context, folder, true, &work) == STP_OK) {
-        stp_work_close(work, true);
+    DIR* entries = opendir(path);
+    for (struct dirent* entry; entries != NULL && (entry = readdir(entries)) != NULL;) {
+        (void)unlinkat(dirfd(entries), entry->d_name, 0); // fails for folders
     }
+    if (entries != NULL) {
+        closedir(entries);
+    }
+    (void)rmdir(path);
 }
 
 /// Builds in a new folder, which is removed.
@@ -169,9 +186,8 @@ static stp_result build_in_folder(stp_builder* builder, const stp_write_desc* de
         memcpy(work, folder, length);
         result = build_to(builder, desc, path, report);
         result = result == STP_OK ? read_back(builder, path) : result;
-        remove_work(context, work);
-        (void)unlink(path);
-        (void)rmdir(folder);
+        remove_folder(work);
+        remove_folder(folder);
     }
     stp_free(context, path);
     stp_free(context, work);
@@ -196,8 +212,11 @@ stp_result stp_builder_write(stp_builder* builder, const stp_write_desc* given,
     stp_write_desc desc;
     stp_build_report built = {0};
     struct stat status;
-    stp_result result = STP_READ_DESC(builder->context, stp_write_desc, &desc, given);
-    result = result == STP_OK ? stp_builder_check(builder, 0) : result;
+    stp_result result = stp_builder_check(builder, 0);
+    if (result == STP_OK) {
+        result = STP_READ_DESC(builder->context, stp_write_desc, &desc, given);
+    }
+    result = result == STP_OK ? check_write(builder, &desc) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -219,7 +238,9 @@ stp_result stp_builder_write(stp_builder* builder, const stp_write_desc* given,
 
 const void* stp_builder_get_bytes(const stp_builder* builder, size_t* size)
 {
-    assert((builder->bytes != NULL) == (builder->size != 0));
-    *size = builder->size;
-    return builder->bytes;
+    assert(builder == NULL || (builder->bytes != NULL) == (builder->size != 0));
+    if (size != NULL) {
+        *size = builder != NULL ? builder->size : 0;
+    }
+    return builder != NULL ? builder->bytes : NULL;
 }

@@ -31,21 +31,24 @@ double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to)
 double stp_measure_area(const stp_vec3d* points, size_t count, double* perimeter)
 {
     stp_vec3d twice = {0, 0, 0};
-    *perimeter = 0.0;
+    double around = 0.0;
+    count = points != NULL ? count : 0;
     for (size_t i = 0; i < count; ++i) { // relative to the first: survey coordinates are large
         stp_vec3d a = stp_subd(points[i], points[0]);
         stp_vec3d b = stp_subd(points[(i + 1) % count], points[0]);
         twice = stp_addd(twice, stp_crossd(a, b));
-        *perimeter += stp_lengthd(stp_subd(b, a));
+        around += stp_lengthd(stp_subd(b, a));
+    }
+    if (perimeter != NULL) {
+        *perimeter = around;
     }
     return count >= 3 ? 0.5 * stp_lengthd(twice) : 0.0;
 }
 
 stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d p)
 {
-    return measuring->up == 'z'   ? (stp_vec3d){p.x, -p.z, p.y}
-           : measuring->up == 'x' ? (stp_vec3d){p.y, -p.x, p.z}
-                                  : p;
+    char up = measuring != NULL ? measuring->up : 'y';
+    return up == 'z' ? (stp_vec3d){p.x, -p.z, p.y} : up == 'x' ? (stp_vec3d){p.y, -p.x, p.z} : p;
 }
 
 static double shown_metres(const stp_measuring* m)
@@ -80,9 +83,9 @@ void stp_measure_text(const stp_measuring* measuring, double length, int digits,
                       size_t size)
 {
     digits = digits < 1 ? 1 : digits > 17 ? 17 : digits;
-    const char* unit = stp_measure_unit(measuring);
-    length *= stp_measure_factor(measuring);
-    if (size > 0) {
+    const char* unit = measuring != NULL ? stp_measure_unit(measuring) : "";
+    length *= measuring != NULL ? stp_measure_factor(measuring) : 1.0;
+    if (text != NULL && size > 0) {
         snprintf(text, size, "%.*g%s%s", digits, length, unit[0] != '\0' ? " " : "", unit);
     }
 }

@@ -87,8 +87,15 @@ static stp_result begin_stream(stp_model* model, const stp_model_desc* desc)
 stp_result stp_model_open(stp_context* context, const stp_model_desc* given, stp_model** model)
 {
     stp_model_desc desc;
+    if (context == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
+    stp_result result = STP_CHECK_POINTER(context, model);
+    if (result != STP_OK) {
+        return result;
+    }
     *model = NULL;
-    stp_result result = STP_READ_DESC(context, stp_model_desc, &desc, given);
+    result = STP_READ_DESC(context, stp_model_desc, &desc, given);
     result = result == STP_OK ? check_desc(context, &desc) : result;
     if (result != STP_OK) {
         return result;

@@ -18,6 +18,10 @@ static uint32_t attributes_of(const stp_store* store)
 
 stp_result stp_model_get_info(const stp_model* model, stp_model_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     const stp_store* store = model->store;
     const stp_store_directory* d = stp_store_get_directory(store);
     const stp_store_figures* figures = &model->summary.figures;
@@ -59,6 +63,10 @@ static stp_result fail_number(const stp_model* model, const char* what, uint32_t
 
 stp_result stp_model_get_method(const stp_model* model, uint32_t method, stp_method_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     const stp_store_directory* d = stp_store_get_directory(model->store);
     if (method >= d->method_count) {
         return fail_number(model, "method", method, d->method_count);
@@ -71,6 +79,10 @@ stp_result stp_model_get_method(const stp_model* model, uint32_t method, stp_met
 
 stp_result stp_model_get_source(const stp_model* model, uint32_t source, stp_source_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     const stp_store_directory* d = stp_store_get_directory(model->store);
     if (source >= d->source_count) {
         return fail_number(model, "source", source, d->source_count);
@@ -87,6 +99,10 @@ stp_result stp_model_get_source(const stp_model* model, uint32_t source, stp_sou
 stp_result stp_model_get_attribute(const stp_model* model, stp_attribute attribute,
                                    stp_attribute_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     const stp_store_attribute* found = (uint32_t)attribute < STP_ATTRIBUTES
                                            ? stp_store_find_attribute(model->store, attribute)
                                            : NULL;
@@ -105,6 +121,10 @@ stp_result stp_model_get_attribute(const stp_model* model, stp_attribute attribu
 
 stp_result stp_model_get_stream(const stp_model* model, stp_stream_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     stp_stream_info made = {0};
     if (model->residency != NULL) {
         stp_residency_stats stats;
@@ -125,8 +145,8 @@ stp_result stp_model_get_stream(const stp_model* model, stp_stream_info* info)
 
 const char* stp_model_get_view_name(const stp_model* model, uint32_t view)
 {
-    const stp_store_directory* d = stp_store_get_directory(model->store);
-    return view < d->view_count ? d->views[view].name : NULL;
+    const stp_store_directory* d = model != NULL ? stp_store_get_directory(model->store) : NULL;
+    return d != NULL && view < d->view_count ? d->views[view].name : NULL;
 }
 
 static const stp_store_view* find_view(const stp_store_directory* d, const char* name)
@@ -141,6 +161,10 @@ static const stp_store_view* find_view(const stp_store_directory* d, const char*
 
 stp_result stp_model_get_view(const stp_model* model, const char* name, stp_view* view)
 {
+    stp_result called = STP_CHECK_CALL(model, view);
+    if (called != STP_OK) {
+        return called;
+    }
     const stp_store_view* stored = find_view(stp_store_get_directory(model->store), name);
     if (view->width == 0 || view->height == 0) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,

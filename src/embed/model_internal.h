@@ -48,6 +48,11 @@ static inline bool stp_model_is_placed(const stp_outline_item* item)
     return item->depth > 0 && item->node != STP_STORE_NONE;
 }
 
+/// Whether a call has its object (a model or a builder) and a pointer that it needs. @return STP_OK
+/// or STP_ERROR_ARGUMENT (logged if the object is there)
+#define STP_CHECK_CALL(object, pointer)                                                            \
+    ((object) != NULL ? STP_CHECK_POINTER((object)->context, (pointer)) : STP_ERROR_ARGUMENT)
+
 /// Reads a descriptor of type `type`, and logs if it sets fields that this library lacks.
 #define STP_READ_DESC(context, type, desc, given)                                                  \
     (stp_desc_read((desc), sizeof(type), sizeof(type), (given))                                    \

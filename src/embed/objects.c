@@ -47,6 +47,10 @@ static stp_result find_item(stp_model* model, uint32_t object, stp_outline_item*
 
 stp_result stp_model_get_object(stp_model* model, uint32_t object, stp_object_info* info)
 {
+    stp_result called = STP_CHECK_CALL(model, info);
+    if (called != STP_OK) {
+        return called;
+    }
     stp_outline_item item;
     stp_outline_row row;
     stp_store_object record = {.parent = STP_NO_OBJECT};
@@ -77,8 +81,15 @@ stp_result stp_model_get_children(stp_model* model, uint32_t object, uint64_t fi
                                   uint32_t* objects, uint32_t* count)
 {
     stp_outline_item item, children[CHILDREN_AT_ONCE];
+    stp_result result = STP_CHECK_CALL(model, count);
+    if (result == STP_OK && room > 0) {
+        result = STP_CHECK_CALL(model, objects);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
     *count = 0;
-    stp_result result = find_item(model, object, &item);
+    result = find_item(model, object, &item);
     uint32_t given = 1;
     while (result == STP_OK && *count < room && given > 0) {
         uint32_t left = room - *count;
@@ -99,8 +110,13 @@ stp_result stp_model_find_object(stp_model* model, const char* text, uint32_t fr
                                  uint32_t* object)
 {
     stp_outline* outline;
+    stp_result result = STP_CHECK_CALL(model, text);
+    result = result == STP_OK ? STP_CHECK_CALL(model, object) : result;
+    if (result != STP_OK) {
+        return result;
+    }
     *object = STP_NO_OBJECT;
-    stp_result result = stp_model_use_outline(model, &outline);
+    result = stp_model_use_outline(model, &outline);
     uint32_t count = result == STP_OK ? stp_outline_object_count(outline) : 0;
     for (uint32_t i = from; i < count && result == STP_OK && *object == STP_NO_OBJECT; ++i) {
         bool named = false;
@@ -116,6 +132,9 @@ stp_result stp_model_set_appearance(stp_model* model, uint32_t object, stp_appea
                                      [STP_APPEARANCE_HIDDEN] = STP_SHOW_NOT,
                                      [STP_APPEARANCE_GHOST] = STP_SHOW_GHOST};
     stp_result result = STP_OK;
+    if (model == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
     if ((uint32_t)appearance > STP_APPEARANCE_GHOST) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT, "appearance %d does not exist",
                         (int)appearance);

@@ -45,8 +45,12 @@ stp_result stp_painter_create(stp_model* model, const stp_painter_desc* given,
                               stp_painter** painter)
 {
     stp_painter_desc desc;
+    stp_result result = STP_CHECK_CALL(model, painter);
+    if (result != STP_OK) {
+        return result;
+    }
     *painter = NULL;
-    stp_result result = STP_READ_DESC(model->context, stp_painter_desc, &desc, given);
+    result = STP_READ_DESC(model->context, stp_painter_desc, &desc, given);
     if (result != STP_OK) {
         return result;
     }
@@ -282,9 +286,13 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
                             stp_image* image, stp_paint_report* report)
 {
     stp_paint_desc desc;
+    if (painter == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
     stp_context* context = painter->model->context;
     picture p = {.painter = painter, .view = view, .image = image};
     stp_result result = STP_READ_DESC(context, stp_paint_desc, &desc, given);
+    result = result == STP_OK ? STP_CHECK_POINTER(context, view) : result;
     if (result == STP_OK) {
         result = stp_painter_read_options(painter, &desc, &p.quality, &p.style);
     }
@@ -318,14 +326,22 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
 
 uint32_t stp_painter_get_texture(const stp_painter* painter)
 {
-    return painter->uses_gl && painter->view.width > 0 ? stp_draw_gl_texture(painter->renderer) : 0;
+    bool has_texture = painter != NULL && painter->uses_gl && painter->view.width > 0;
+    return has_texture ? stp_draw_gl_texture(painter->renderer) : 0;
 }
 
 stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t count)
 {
+    if (painter == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
     stp_context* context = painter->model->context;
     const stp_view* view = &painter->view;
     stp_view_frame frame;
+    stp_result result = STP_CHECK_POINTER(context, depths);
+    if (result != STP_OK) {
+        return result;
+    }
     bool fits = view->width > 0 && count == (size_t)view->width * view->height &&
                 stp_view_frame_make(view, &frame) && !frame.parallel;
     if (!fits) {
@@ -347,5 +363,7 @@ stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t co
 
 void stp_painter_set_stopped(stp_painter* painter, bool stopped)
 {
-    atomic_store(&painter->stop, stopped);
+    if (painter != NULL) {
+        atomic_store(&painter->stop, stopped);
+    }
 }

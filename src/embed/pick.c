@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Picks at a position in the picture.
 #include "embed/model_internal.h"
+#include "select/eyes.h"
 #include "select/pick_ray.h"
 #include "store/file/point_attributes.h"
 
@@ -72,17 +73,23 @@ static stp_result describe_hit(stp_model* model, const stp_view* view, const stp
 
 stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, double y, stp_hit* hit)
 {
-    stp_pick_desc desc = {.sections = &view->sections, .visibility = model->visibility};
     stp_pick pick;
     stp_hit made = {.object = STP_NO_OBJECT, .placed_object = STP_NO_OBJECT};
+    stp_result result = STP_CHECK_CALL(model, view);
+    result = result == STP_OK ? STP_CHECK_CALL(model, hit) : result;
+    result = result == STP_OK ? stp_view_check(model->context, view) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_pick_desc desc = {.sections = &view->sections, .visibility = model->visibility};
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
-                        "view: invalid combination of eye, target, angle and size");
+                        "stp_model_pick: the position is not finite, or too far outside");
     }
     stp_pixel_width(view, &desc.point_base, &desc.point_slope);
     desc.point_base *= point_pixels;
     desc.point_slope *= point_pixels;
-    stp_result result = stp_pick_ray(model->context, model->store, &desc, &pick);
+    result = stp_pick_ray(model->context, model->store, &desc, &pick);
     if (result != STP_OK) {
         return result;
     }

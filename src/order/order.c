@@ -23,6 +23,19 @@ static stp_result order_points(const stp_points* points, const stp_team* team,
     return stp_order_exact(points, team, desc, output);
 }
 
+static stp_result check_desc(stp_context* context, const stp_order_desc* desc)
+{
+    const char* fault = (uint32_t)desc->kind > STP_ORDER_BEST_OF_K
+                            ? "kind is not a value of stp_order_kind"
+                        : (uint32_t)desc->metric > STP_METRIC_EUCLIDEAN
+                            ? "metric is not a value of stp_order_metric"
+                        : !isfinite(desc->drop_factor) || desc->drop_factor < 0.0f
+                            ? "drop_factor must be finite and at least 0"
+                            : NULL;
+    return fault == NULL ? STP_OK
+                         : stp_fail(context, STP_ERROR_ARGUMENT, "stp_order_desc: %s", fault);
+}
+
 stp_result stp_order_points(stp_context* context, const stp_order_desc* given,
                             const float* positions, const float* normals, uint32_t point_count,
                             uint32_t wanted, uint32_t* order, float* radii, uint32_t* ordered,
@@ -35,11 +48,25 @@ stp_result stp_order_points(stp_context* context, const stp_order_desc* given,
         .final_radius = final_radius,
     };
     stp_order_desc desc;
-    stp_result result = STP_OK;
+    if (context == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
+    stp_result result = STP_CHECK_POINTER(context, ordered);
+    if (result != STP_OK) {
+        return result;
+    }
     *ordered = 0;
     if (!stp_desc_read(&desc, sizeof(desc), sizeof(desc), given)) {
         return stp_fail(context, STP_ERROR_UNSUPPORTED,
                         "stp_order_desc: sets fields that this version of the library lacks");
+    }
+    result = check_desc(context, &desc);
+    if (result == STP_OK && output.wanted != 0) {
+        result = STP_CHECK_POINTER(context, positions);
+        result = result == STP_OK ? STP_CHECK_POINTER(context, order) : result;
+    }
+    if (result != STP_OK) {
+        return result;
     }
     if (output.wanted != 0) {
         stp_team team = stp_team_create_immediate(context, desc.thread_count);

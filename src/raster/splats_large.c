@@ -188,8 +188,8 @@ static void reach(double center, double z, double radius, double scale, double m
     double a = (center - radius) / (center > radius ? z + radius : z - radius);
     double b = (center + radius) / (center < -radius ? z + radius : z - radius);
     double first = floor(middle + scale * a - 1.0), last = ceil(middle + scale * b + 1.0);
-    *begin = first < (double)low ? low : first > (double)high ? high : (int32_t)first;
-    *end = last < (double)low ? low : last > (double)high ? high : (int32_t)last;
+    *begin = !(first > (double)low) ? low : first > (double)high ? high : (int32_t)first;
+    *end = !(last < (double)high) ? high : last < (double)low ? low : (int32_t)last;
 }
 
 static splat_box disk_box(const stp_splat_frame* frame, const large_disk* disk)

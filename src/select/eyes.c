@@ -24,6 +24,19 @@ stp_view stp_view_of_eye(const stp_view* view, uint32_t eye)
     return one;
 }
 
+stp_result stp_view_check(stp_context* context, const stp_view* view)
+{
+    const char* fault = stp_view_find_fault(view);
+    stp_view_frame frame;
+    for (uint32_t i = 0; fault == NULL && i < stp_view_eye_count(view); ++i) {
+        stp_view one = stp_view_of_eye(view, i);
+        fault = stp_view_frame_make(&one, &frame)
+                    ? NULL
+                    : "two eyes need two pixels side by side, and a smaller eye_distance";
+    }
+    return fault == NULL ? STP_OK : stp_fail(context, STP_ERROR_ARGUMENT, "view: %s", fault);
+}
+
 bool stp_fovea_is_valid(const stp_fovea* f)
 {
     bool valid = f->count <= STP_FOVEA_ZONES && isfinite(f->center[0]) && isfinite(f->center[1]);

@@ -3,6 +3,7 @@
 // away from the gaze point (Brandt 4.4).
 #pragma once
 
+#include "base/core/context.h"
 #include "select/view_frame.h"
 
 #include <stipple/view.h>
@@ -20,6 +21,9 @@ static inline uint32_t stp_view_eye_count(const stp_view* view)
 /// View of one eye: of the view's size for one eye, of half its width for two (an odd column is
 /// lost). Viewing directions are parallel, so depths are the same for both eyes.
 stp_view stp_view_of_eye(const stp_view* view, uint32_t eye);
+
+/// Checks a view and the views of its eyes. @return STP_OK or STP_ERROR_ARGUMENT (logged)
+STP_MUST_USE stp_result stp_view_check(stp_context* context, const stp_view* view);
 
 // Foveated rendering: larger splats away from the gaze point (Brandt 4.4).
 

@@ -37,23 +37,19 @@ static stp_result begin(stp_selection* s, stp_context* context, stp_store* store
     list->splat_size = quality->splat_size >= 1.0f ? quality->splat_size : 1.0f;
     s->eye_count = stp_view_eye_count(view);
     assert(s->eye_count <= STP_EYES_MAX);
+    stp_result result = stp_view_check(context, view);
+    if (result != STP_OK) {
+        return result;
+    }
     for (uint32_t i = 0; i < s->eye_count; ++i) {
         stp_view one = stp_view_of_eye(view, i);
-        if (!stp_view_frame_make(&one, &s->frames[i])) {
-            return stp_fail(context, STP_ERROR_ARGUMENT,
-                            "view: invalid combination of eye, target, angle and size");
-        }
+        (void)stp_view_frame_make(&one, &s->frames[i]); // was checked
     }
     if (!stp_fovea_is_valid(&quality->fovea)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "quality: radii of the fovea's zones must ascend and factors be above 0");
     }
-    if (!stp_sections_are_valid(&view->sections)) {
-        return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "view: a section is a plane with a normal, and there are at most %d",
-                        STP_SECTION_PLANES);
-    }
-    stp_result result = stp_select_begin_requests(s);
+    result = stp_select_begin_requests(s);
     return result == STP_OK && s->directory->root != STP_STORE_NONE ? stp_select_find_graph(s)
                                                                     : result;
 }

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "select/view_frame.h"
 
+#include "select/sections.h"
+
 #include <assert.h>
 
-static bool finite3(stp_vec3d v)
+static const double max_coordinate = 1e24; // its squares are finite; far beyond any scene
+
+static bool is_within(stp_vec3d v)
 {
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+    return fabs(v.x) <= max_coordinate && fabs(v.y) <= max_coordinate &&
+           fabs(v.z) <= max_coordinate;
 }
 
 /// The axis least parallel to `v`, for views with a degenerate up vector.
@@ -35,17 +40,54 @@ static void make_sides(stp_view_frame* f)
     f->corner = f->parallel ? 1.0 : sqrt(1.0 + x * x + y * y);
 }
 
+static const char* find_lens_fault(const stp_view* view)
+{
+    if (!isfinite(view->near_distance) || view->near_distance < 0.0) {
+        return "near_distance must be finite and at least 0";
+    }
+    if (!(view->eye_distance >= 0.0 && view->eye_distance <= max_coordinate)) {
+        return "eye_distance must be from 0 to 1e24";
+    }
+    if (view->ortho_height != 0.0) {
+        bool valid = view->ortho_height > 0.0 && isfinite(view->ortho_height) &&
+                     isfinite((double)view->height / view->ortho_height);
+        return valid ? NULL : "ortho_height must be finite and above 0, or 0";
+    }
+    bool valid =
+        view->fov_degrees >= STP_FOV_DEGREES_MIN && view->fov_degrees <= STP_FOV_DEGREES_MAX;
+    return valid ? NULL : "fov_degrees must be from 0.001 to 179.9";
+}
+
+const char* stp_view_find_fault(const stp_view* view)
+{
+    stp_vec3d gaze = stp_subd(view->target, view->eye);
+    double distance = sqrt(stp_dotd(gaze, gaze));
+    if (view->width == 0 || view->height == 0) {
+        return "width and height must be at least 1";
+    }
+    if (!is_within(view->eye) || !is_within(view->target)) {
+        return "coordinates of eye and target must be numbers of at most 1e24 in size";
+    }
+    if (!isfinite(view->up.x) || !isfinite(view->up.y) || !isfinite(view->up.z)) {
+        return "up must be finite";
+    }
+    if (!(distance > 0.0)) {
+        return "eye and target must differ";
+    }
+    if (!stp_sections_are_valid(&view->sections)) {
+        return "a section is a plane with a normal, and there are at most 14";
+    }
+    return find_lens_fault(view);
+}
+_Static_assert(STP_SECTION_PLANES == 14, "the sentence says it");
+
 bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
 {
-    if (view->width == 0 || view->height == 0 || view->eye_distance != 0.0 || !finite3(view->eye) ||
-        !finite3(view->target) || !finite3(view->up)) {
+    if (stp_view_find_fault(view) != NULL || view->eye_distance != 0.0) {
         return false;
     }
     stp_vec3d gaze = stp_subd(view->target, view->eye);
     double distance = sqrt(stp_dotd(gaze, gaze));
-    if (!(distance > 0.0) || !isfinite(distance)) {
-        return false;
-    }
     stp_vec3d forward = stp_scaled(gaze, 1.0 / distance);
     stp_vec3d right = stp_crossd(forward, stp_normalized(view->up));
     if (stp_dotd(right, right) < 1e-12) {
@@ -65,9 +107,6 @@ bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
         frame->scale = frame->height / view->ortho_height;
         frame->near_distance = view->near_distance > 0.0 ? view->near_distance : -HUGE_VAL;
     } else {
-        if (!(view->fov_degrees > 0.0) || !(view->fov_degrees < 180.0)) {
-            return false;
-        }
         frame->scale = 0.5 * frame->height / tan(view->fov_degrees * (STP_PI / 360.0));
         frame->near_distance = view->near_distance > 0.0 ? view->near_distance : 1e-4 * distance;
     }

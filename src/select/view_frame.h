@@ -21,8 +21,10 @@ typedef struct stp_view_frame {
     double corner; ///< distance over depth in a corner of the picture; 1 in parallel projection
 } stp_view_frame;
 
-/// @return false if the view is invalid: no pixels, an angle out of range, non-finite numbers, or
-/// two eyes (each has its own frame: select/eyes.h)
+/// The fault of a view's numbers or sections, as a clause; NULL: it has none.
+const char* stp_view_find_fault(const stp_view* view);
+
+/// @return false if the view has a fault, or two eyes (each has its own frame: select/eyes.h)
 bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame);
 
 /// Whether part of the box may be in the picture, and its depths: nearest, a lower bound, at least

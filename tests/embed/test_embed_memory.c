@@ -11,6 +11,12 @@
 
 enum { PIXELS = EMBED_SIDE * EMBED_SIDE * 4 };
 
+#ifdef STP_SANITIZED
+static const bool is_sanitized = true;
+#else
+static const bool is_sanitized = false;
+#endif
+
 /// Opens, calls every query, draws and picks.
 static stp_result use_model(stp_context* context, const stp_model_desc* desc, uint8_t* pixels)
 {
@@ -37,6 +43,7 @@ static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void
     bool done = false;
     for (int n = 0; !done; n += 1 + n / stride) {
         test_heap heap = TEST_HEAP(n);
+        heap.forever = n % 2 != 0;
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         stp_result result = context != NULL ? use(context, user) : STP_ERROR_OUT_OF_MEMORY;
@@ -193,6 +200,39 @@ void test_embed_threads_have_contexts_of_their_own(test_state* test)
     free(works[0].bytes);
     free(works[1].bytes);
     CHECK(alike && results[0] == STP_OK && results[1] == STP_OK);
+}
+
+static void* use_whole_model(void* user)
+{
+    thread_work* work = user;
+    stp_context* context = test_context(NULL, work->threads, NULL);
+    stp_model_desc desc = {.bytes = work->bytes, .size = work->size};
+    desc.point_coloring =
+        (stp_point_coloring){.by_attribute = true, .attribute = STP_ATTRIBUTE_INTENSITY};
+    work->result = use_model(context, &desc, work->pixels);
+    desc.stream = true;
+    work->result = work->result == STP_OK ? use_model(context, &desc, work->pixels) : work->result;
+    stp_context_destroy(context);
+    return NULL;
+}
+
+// Some systems give threads little more.
+void test_embed_models_need_a_small_stack(test_state* test)
+{
+    static thread_work work = {.threads = 1};
+    pthread_attr_t attributes;
+    pthread_t thread;
+    work.bytes = embed_build_town(true, &work.size);
+    CHECK(work.bytes != NULL && pthread_attr_init(&attributes) == 0);
+    // the sanitizers' frames are larger
+    size_t size = is_sanitized ? 1 << 20 : 128 << 10;
+    CHECK_EQUAL(0, pthread_attr_setstacksize(&attributes, size));
+    CHECK_EQUAL(0, pthread_attr_setguardsize(&attributes, 1 << 20)); // no frame jumps over it
+    CHECK_EQUAL(0, pthread_create(&thread, &attributes, use_whole_model, &work));
+    pthread_join(thread, NULL);
+    pthread_attr_destroy(&attributes);
+    free(work.bytes);
+    CHECK_EQUAL(STP_OK, work.result);
 }
 
 static int stop_at_once(const stp_progress_report* report, void* user)

@@ -330,6 +330,31 @@ void test_e57_bad_input_is_one_sentence(test_state* test)
     free(bytes);
 }
 
+// Scans that share one section of points would take any amount of memory.
+void test_e57_scans_may_not_share_their_points(test_state* test)
+{
+    enum { SCANS = 20 };
+    static uint64_t values[COUNT];
+    const e57_stream streams[] = {{64, values}, {64, values}, {64, values}};
+    e57_file f = e57_begin();
+    unsigned long long section = e57_add_points(&f, streams, 3, COUNT, 1000);
+    char* xml = malloc(1 << 14);
+    int length = snprintf(xml, 1 << 14, HEAD "<data3D type=\"Vector\">");
+    for (int i = 0; i < SCANS; ++i) {
+        length += snprintf(xml + length, (1 << 14) - (size_t)length,
+                           "<vectorChild type=\"Structure\">" POINTS
+                           "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/>"
+                           "<cartesianZ type=\"Float\"/>" END_POINTS "</vectorChild>",
+                           section, (unsigned long long)COUNT);
+    }
+    snprintf(xml + length, (1 << 14) - (size_t)length, "</data3D></e57Root>\n");
+    size_t size;
+    unsigned char* bytes = e57_finish(&f, xml, &size);
+    free(xml);
+    CHECK(is_refused("a.e57", bytes, size, STP_ERROR_FORMAT, "are longer than the file"));
+    free(bytes);
+}
+
 void test_e57_bad_xml_is_one_sentence(test_state* test)
 {
     static const struct {

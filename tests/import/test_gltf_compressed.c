@@ -216,3 +216,23 @@ void test_gltf_refuses_damaged_draco_data(test_state* test)
         gltf_run_end(&run);
     }
 }
+
+// libdraco would allocate memory for all claimed faces before it decodes one.
+void test_gltf_refuses_draco_claims(test_state* test)
+{
+    static const unsigned char many[4] = {0xff, 0xff, 0xff, 0x7f}; // 2^28 - 1 as a varint
+    for (int method = 0; method < 2; ++method) {
+        const unsigned char* from = method == 0 ? draco_sequential : draco_edgebreaker;
+        size_t size = method == 0 ? sizeof(draco_sequential) : sizeof(draco_edgebreaker);
+        size_t at = method == 0 ? 11 : 13; // of the number of faces
+        unsigned char bytes[sizeof(draco_edgebreaker) + sizeof(many)];
+        memcpy(bytes, from, at);
+        memcpy(bytes + at, many, sizeof(many));
+        memcpy(bytes + at + sizeof(many), from + at + 1, size - at - 1);
+        gltf_run run;
+        run_draco(&run, bytes, size + sizeof(many) - 1, 1);
+        CHECK_EQUAL(STP_ERROR_FORMAT, run.result);
+        CHECK(strstr(run.log.text, "268435459 faces and points are claimed in") != NULL);
+        gltf_run_end(&run);
+    }
+}

@@ -121,12 +121,13 @@ void test_gltf_cameras_become_views(test_state* test)
     gltf_run_glb(
         &run,
         "{" GLTF_ASSET ",'scenes':[{'nodes':[0]}],'nodes':["
-        "{'children':[1,2,3],'translation':[0,10,0],'scale':[3,3,3]},"
+        "{'children':[1,2,3,4],'translation':[0,10,0],'scale':[3,3,3]},"
         "{'camera':0,'name':'door','rotation':[0,0.7071067811865476,0,0.7071067811865476]},"
-        "{'camera':1,'translation':[1,0,0]},{'camera':2}],"
+        "{'camera':1,'translation':[1,0,0]},{'camera':2},{'camera':3}],"
         "'cameras':[{'type':'perspective','perspective':{'yfov':1.5707963267948966,'znear':1}},"
         "{'type':'perspective','perspective':{'yfov':1,'znear':1}},"
-        "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'zfar':9,'znear':0}}]}",
+        "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'zfar':9,'znear':0}},"
+        "{'type':'perspective','perspective':{'yfov':1e-9,'znear':1}}]}",
         NULL, 0);
     CHECK_EQUAL(STP_OK, run.result);
     CHECK_EQUAL(2, run.scene->view_count);

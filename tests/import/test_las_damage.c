@@ -146,6 +146,80 @@ void test_laz_refuses_absurd_counts(test_state* test)
     }
 }
 
+static las_buffer write_claim(unsigned format, uint64_t claimed, size_t padding)
+{
+    static const unsigned char zeros[10000] = {0};
+    las_make_points(points, COUNT, format, 3);
+    las_desc desc = {.points = points,
+                     .count = COUNT,
+                     .format = format,
+                     .coding = format < 6 ? LAZ_SINGLE : LAZ_CHUNKED,
+                     .chunk_size = 1u << 31};
+    las_buffer file = las_write(&desc);
+    if (format < 6) {
+        memcpy(file.bytes + 107, &claimed, 4);
+        las_put(&file, zeros, padding);
+    } else {
+        memcpy(file.bytes + 247, &claimed, 8);
+    }
+    return file;
+}
+
+// No memory is taken for claimed points before the chunks prove that they exist.
+void test_laz_claims_take_no_memory(test_state* test)
+{
+    static const struct {
+        unsigned format;
+        uint64_t claimed;
+        size_t padding;
+        stp_result result;
+        const char* says;
+    } claims[] = {
+        {1, 1000000, 0, STP_ERROR_FORMAT, "1000000 points from byte"},
+        {7, 3000000, 0, STP_ERROR_FORMAT, "3000000 points from byte"},
+        {1, (1 << 24) + 1, 10000, STP_ERROR_LIMIT, "up to 256 a byte are supported"},
+    };
+    for (size_t i = 0; i < sizeof(claims) / sizeof(claims[0]); ++i) {
+        las_buffer file = write_claim(claims[i].format, claims[i].claimed, claims[i].padding);
+        test_log log = {0};
+        stp_context* context = NULL;
+        const stp_context_desc desc = {.thread_count = 1,
+                                       .memory_limit_bytes = 12 << 20,
+                                       .log = test_log_message,
+                                       .log_user = &log};
+        CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+        stp_result result;
+        stp_scene* scene = import_bytes(context, "a.laz", file.bytes, file.size, &result);
+        if (result != claims[i].result || strstr(log.text, claims[i].says) == NULL) {
+            fprintf(stderr, "%zu: %d: %s\n", i, result, log.text);
+        }
+        CHECK(scene == NULL);
+        CHECK_EQUAL(claims[i].result, result);
+        CHECK(strstr(log.text, claims[i].says) != NULL);
+        stp_context_destroy(context);
+        free(file.bytes);
+    }
+}
+
+// Equal points take almost no bytes, and still are all there.
+void test_laz_reads_equal_points(test_state* test)
+{
+    enum { EQUAL = 50000 };
+    las_point* equal = calloc(EQUAL, sizeof(*equal));
+    las_desc desc = {.points = equal, .count = EQUAL, .coding = LAZ_CHUNKED, .chunk_size = EQUAL};
+    las_buffer file = las_write(&desc);
+    CHECK(file.size < EQUAL / 32);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.laz", file.bytes, file.size, &result);
+    CHECK(scene != NULL);
+    CHECK_EQUAL(EQUAL, scene->point_sets[0].point_count);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(file.bytes);
+    free(equal);
+}
+
 void test_laz_names_the_damaged_chunk(test_state* test)
 {
     las_buffer file = write_small(8, LAZ_CHUNKED);

@@ -3,6 +3,8 @@
 // PTX: scans with poses, cells without points, normals from the grid.
 #include "points_test.h"
 
+#include <time.h>
+
 #define HEADER(columns, rows, x, y, z)                                                             \
     columns "\n" rows "\n" x " " y " " z "\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" x    \
             " " y " " z " 1\n"
@@ -145,6 +147,29 @@ void test_ptx_empty_scan(test_state* test)
     CHECK(scene != NULL && scene->object_count == 3 && scene->point_set_count == 0);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
+}
+
+// Thousands of small scans in one file take little longer than one large scan.
+void test_ptx_of_many_scans_takes_linear_time(test_state* test)
+{
+    enum { SCANS = 8000 };
+    static const char one[] = HEADER("1", "1", "0", "0", "0") "1 2 3 0.5\n";
+    const size_t length = sizeof(one) - 1;
+    char* text = malloc(SCANS * length);
+    for (size_t i = 0; i < SCANS; ++i) {
+        memcpy(text + i * length, one, length);
+    }
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    clock_t before = clock();
+    stp_scene* scene = import_bytes(context, "a.ptx", text, SCANS * length, &result);
+    double seconds = (double)(clock() - before) / CLOCKS_PER_SEC;
+    CHECK(scene != NULL);
+    CHECK_EQUAL(SCANS, scene->point_set_count);
+    CHECK(seconds < 3.0); // it is below 0.1; in quadratic time it was above 10
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(text);
 }
 
 void test_ptx_survives_truncation_and_failing_allocator(test_state* test)

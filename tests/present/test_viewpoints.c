@@ -152,6 +152,8 @@ void test_invalid_viewpoints_are_refused(test_state* test)
         WHOLE("{\"name\": \"a\", \"eye\": [0, 0, 0], \"target\": [0, 0, 0]}"),
         WHOLE(VIEW "}, " VIEW "}"),
         WHOLE(VIEW ", \"fov\": 0}"),
+        WHOLE(VIEW ", \"fov\": 1e-160}"),
+        WHOLE(VIEW ", \"fov\": 179.95}"),
         WHOLE(VIEW ", \"fov\": \"x\"}"),
         WHOLE(VIEW ", \"note\": 3}"),
         WHOLE(VIEW ", \"up\": 3}"),

@@ -313,6 +313,33 @@ void test_store_checks_bytes_between_columns(test_state* test)
     stp_context_destroy(context);
 }
 
+// Other fields of view cannot be drawn.
+void test_store_checks_the_angles_of_views(test_state* test)
+{
+    static const struct {
+        double degrees;
+        stp_result result;
+    } cases[] = {{0.001, STP_OK},
+                 {179.9, STP_OK},
+                 {1e-160, STP_ERROR_FORMAT},
+                 {0.0, STP_ERROR_FORMAT},
+                 {179.95, STP_ERROR_FORMAT}};
+    test_log log = {.errors = 0};
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN_1_0, &size);
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(bytes != NULL && context != NULL);
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        stp_store_section views = reseal_section(find_section(bytes, STP_SECTION_VIEWS));
+        memcpy(bytes + views.offset + 80, &cases[i].degrees, sizeof(double));
+        reseal(bytes, size);
+        CHECK_EQUAL(cases[i].result, sample_check(context, bytes, size));
+        CHECK(cases[i].result == STP_OK || strstr(log.text, "view 0 has a field of view") != NULL);
+    }
+    free(bytes);
+    stp_context_destroy(context);
+}
+
 void test_store_keeps_damaged_data_away_from_callers(test_state* test)
 {
     test_log log = {.errors = 0};

@@ -74,6 +74,9 @@ static void default_free(void* memory, size_t size, void* user)
 stp_result stp_context_create(stp_context** context, const stp_context_desc* given)
 {
     stp_context_desc desc;
+    if (context == NULL) {
+        return STP_ERROR_ARGUMENT;
+    }
     *context = NULL;
     if (!stp_desc_read(&desc, sizeof(desc), sizeof(desc), given)) {
         return STP_ERROR_UNSUPPORTED;
@@ -123,12 +126,12 @@ void stp_context_destroy(stp_context* context)
 
 uint64_t stp_context_live_bytes(const stp_context* context)
 {
-    return atomic_load(&context->live_bytes);
+    return context != NULL ? atomic_load(&context->live_bytes) : 0;
 }
 
 uint64_t stp_context_peak_bytes(const stp_context* context)
 {
-    return atomic_load(&context->peak_bytes);
+    return context != NULL ? atomic_load(&context->peak_bytes) : 0;
 }
 
 uint64_t stp_memory_limit(const stp_context* context)
@@ -138,7 +141,7 @@ uint64_t stp_memory_limit(const stp_context* context)
 
 uint32_t stp_context_thread_count(const stp_context* context)
 {
-    return stp_jobs_thread_count(context->jobs);
+    return context != NULL ? stp_jobs_thread_count(context->jobs) : 0;
 }
 
 // Adds to the count of live bytes; false if that would exceed the limit.

@@ -49,6 +49,12 @@ STP_MUST_USE bool stp_make_room(stp_context* context, void* array_address, size_
 stp_result stp_fail(stp_context* context, stp_result result, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 stp_result stp_fail_memory(stp_context* context);
+/// For functions of the headers: whether a pointer that they need is there. @return STP_OK or
+/// STP_ERROR_ARGUMENT (logged)
+#define STP_CHECK_POINTER(context, pointer)                                                        \
+    ((pointer) != NULL                                                                             \
+         ? STP_OK                                                                                  \
+         : stp_fail((context), STP_ERROR_ARGUMENT, "%s: %s is NULL", __func__, #pointer))
 /// Estimated bytes that the next work needs in all, for the message of stp_fail_memory; 0: unknown.
 void stp_context_expect_bytes(stp_context* context, uint64_t bytes);
 /// From now on, does not log errors but keeps the first: for work that is retried on failure.

@@ -110,17 +110,14 @@ static stp_result place_eyes(stp_cpu_renderer* r, const stp_view* view, stp_imag
     r->eye_count = stp_view_eye_count(view);
     assert(r->eye_count > 0 && r->eye_count <= STP_EYES_MAX);
     r->placed = NULL;
-    bool valid = image->width == view->width && image->height == view->height &&
-                 view->width <= 65536 && view->height <= 65536 &&
-                 (uint64_t)view->width * view->height <= UINT32_MAX / 4;
-    for (uint32_t i = 0; i < r->eye_count && valid; ++i) {
-        stp_view one = stp_view_of_eye(view, i);
-        valid = stp_view_frame_make(&one, &r->eyes[i].frame);
-        r->eyes[i].picture = (stp_image){one.width, one.height, image->pixels};
+    stp_result result = stp_renderer_check_view(&r->base, view, image);
+    if (result != STP_OK) {
+        return result;
     }
-    if (!valid) {
-        return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "view: invalid combination of eye, target, angle and size");
+    for (uint32_t i = 0; i < r->eye_count; ++i) {
+        stp_view one = stp_view_of_eye(view, i);
+        (void)stp_view_frame_make(&one, &r->eyes[i].frame); // was checked
+        r->eyes[i].picture = (stp_image){one.width, one.height, image->pixels};
     }
     r->width = r->eyes[0].picture.width;
     r->height = r->eyes[0].picture.height;

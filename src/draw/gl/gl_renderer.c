@@ -115,13 +115,12 @@ static stp_result read_picture(stp_gl_renderer* r, stp_image* image)
 static stp_result begin_picture(stp_gl_renderer* r, const stp_view* view, const stp_draw_list* list,
                                 const stp_draw_style* style, const stp_image* image, uint32_t side)
 {
-    bool fits = image == NULL || (image->width == view->width && image->height == view->height);
-    stp_view one = stp_view_of_eye(view, 0);
-    if (!stp_view_frame_make(&one, &r->placement.frame) || !fits || view->width > 65536 ||
-        view->height > 65536 || (uint64_t)view->width * view->height > UINT32_MAX / 4) {
-        return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
-                        "view: invalid combination of eye, target, angle and size");
+    stp_result result = stp_renderer_check_view(&r->base, view, image);
+    if (result != STP_OK) {
+        return result;
     }
+    stp_view one = stp_view_of_eye(view, 0);
+    (void)stp_view_frame_make(&one, &r->placement.frame); // was checked
     if (side > SUPERSAMPLE_LIMIT) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
                         "style: at most %d x %d samples per pixel", SUPERSAMPLE_LIMIT,

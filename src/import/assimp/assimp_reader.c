@@ -2,6 +2,8 @@
 // The parent's side of the stream: every count, index and number is checked before use.
 #include "import/assimp/assimp_reader.h"
 
+#include <stipple/view.h>
+
 #include <assert.h>
 #include <string.h>
 
@@ -156,7 +158,7 @@ static stp_result read_views(stp_assimp_reader* r)
         if (!good) {
             return stp_assimp_fail_stream(r, "views");
         }
-        if (view.name == NULL || !(in[9] > 0.0 && in[9] < 180.0)) {
+        if (view.name == NULL || !(in[9] >= STP_FOV_DEGREES_MIN && in[9] <= STP_FOV_DEGREES_MAX)) {
             continue; // it has no name, or there is no picture
         }
         view.eye = turn_point(axes, in);

@@ -34,7 +34,8 @@ typedef struct stp_e57 {
     stp_import* import;
     uint64_t logical_size;
     uint64_t xml_logical, xml_length;
-    stp_arena arena; ///< memory of the tree
+    uint64_t section_bytes; ///< of all sections of points so far
+    stp_arena arena;        ///< memory of the tree
     stp_e57_node* root;
 } stp_e57;
 
@@ -119,10 +120,10 @@ bool stp_e57_keeps(const char* name, bool spherical);
 /// Describes all scans without reading a record. @return as stp_e57_describe_scan
 STP_MUST_USE stp_result stp_e57_describe(stp_e57* e57, stp_scan_info* info);
 
-/// Finds all packets of a scan and checks that they hold its records. Call stp_e57_forget_packets
-/// in any case.
-STP_MUST_USE stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number,
-                                             stp_e57_scan* scan);
+/// Finds all packets of a scan and checks that they hold its records, and that the sections of all
+/// scans so far fit the file together: scans that share one would take any amount of memory. Call
+/// stp_e57_forget_packets in any case.
+STP_MUST_USE stp_result stp_e57_find_packets(stp_e57* e57, uint32_t number, stp_e57_scan* scan);
 void stp_e57_forget_packets(const stp_e57* e57, stp_e57_scan* scan);
 /// Copies bytes [begin, begin + size) of a used field's stream, which must exist. Any thread.
 void stp_e57_copy_stream(const stp_e57* e57, const stp_e57_scan* scan, stp_e57_slot slot,

@@ -11,7 +11,7 @@
 enum { PACKET_INDEX, PACKET_DATA, PACKET_EMPTY };
 
 typedef struct finder {
-    const stp_e57* e57;
+    stp_e57* e57;
     stp_e57_scan* scan;
     uint32_t number;
     uint64_t at, end; ///< logical
@@ -29,7 +29,7 @@ static stp_result fail(const finder* f, const char* what)
 static stp_result open_section(finder* f)
 {
     unsigned char header[SECTION_HEADER];
-    const stp_e57* e57 = f->e57;
+    stp_e57* e57 = f->e57;
     uint64_t section = f->scan->section;
     if (section == UINT64_MAX || !stp_e57_copy(e57, section, header, sizeof(header)) ||
         header[0] != 1) {
@@ -42,7 +42,10 @@ static stp_result open_section(finder* f)
         return fail(f, "its section of points extends beyond the end of the file");
     }
     f->end = section + size;
-    return STP_OK;
+    e57->section_bytes += size;
+    return e57->section_bytes <= e57->logical_size
+               ? STP_OK
+               : fail(f, "the sections of points up to its own are longer than the file");
 }
 
 // Adds the offset of each used stream's bytes in the packet at f->at.
@@ -128,7 +131,7 @@ static stp_result check_streams(const finder* f)
     return placed > 0 || scan->record_count <= 1 ? STP_OK : fail(f, "all of its points coincide");
 }
 
-stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number, stp_e57_scan* scan)
+stp_result stp_e57_find_packets(stp_e57* e57, uint32_t number, stp_e57_scan* scan)
 {
     finder f = {.e57 = e57, .scan = scan, .number = number};
     for (int slot = 0; slot < STP_E57_SLOTS; ++slot) {

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <cstring>
 #include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/metadata/metadata_decoder.h>
 #include <exception>
 #include <memory>
 #include <new>
@@ -15,6 +18,10 @@ struct stp_draco_mesh {
 
 namespace
 {
+// Limits of what a small file may claim; large flat grids need less than 0.1 bits a face.
+const uint64_t CLAIMS_ALWAYS_ALLOWED = uint64_t(1) << 16;
+const uint64_t CLAIMS_PER_BYTE = 256;
+
 const draco::PointAttribute* find_attribute(const stp_draco_mesh* mesh, uint32_t id)
 {
     return mesh->mesh->GetAttributeByUniqueId(id);
@@ -54,6 +61,45 @@ float read_value(draco::DataType type, const unsigned char* bytes, uint32_t comp
     default:
         return 0.0f;
     }
+}
+
+// Skips the header and the metadata. @return whether both could be read
+bool skip_header(draco::DecoderBuffer* buffer, draco::DracoHeader* header)
+{
+    if (!draco::PointCloudDecoder::DecodeHeader(buffer, header).ok()) {
+        return false;
+    }
+    uint16_t version = DRACO_BITSTREAM_VERSION(header->version_major, header->version_minor);
+    buffer->set_bitstream_version(version);
+    if (version < DRACO_BITSTREAM_VERSION(1, 3) || (header->flags & METADATA_FLAG_MASK) == 0) {
+        return true;
+    }
+    draco::GeometryMetadata metadata;
+    return draco::MetadataDecoder().DecodeGeometryMetadata(buffer, &metadata);
+}
+
+// The sum of all counts by which libdraco allocates memory before it decodes; 0 if they cannot be
+// read, which is reported when decoding.
+uint64_t find_claims(draco::DecoderBuffer* buffer)
+{
+    draco::DracoHeader header;
+    if (!skip_header(buffer, &header)) {
+        return 0;
+    }
+    uint16_t version = buffer->bitstream_version();
+    bool connected = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING;
+    const uint16_t second = DRACO_BITSTREAM_VERSION(2, 0), last = DRACO_BITSTREAM_VERSION(2, 2);
+    bool varint = version >= (connected ? second : last);
+    int count = connected && version < last ? 3 : 2;
+    uint8_t traversal = 0;
+    uint64_t sum = 0;
+    bool good = !connected || buffer->Decode(&traversal);
+    for (int i = 0; i < count && good; ++i) {
+        uint32_t value = 0;
+        good = varint ? draco::DecodeVarint(&value, buffer) : buffer->Decode(&value);
+        sum += value;
+    }
+    return good ? sum : 0;
 }
 
 // Whether all faces and all mapped values exist, which libdraco does not promise for damaged data.
@@ -97,6 +143,13 @@ stp_draco_result stp_draco_decode(const void* bytes, size_t size, stp_draco_mesh
 {
     try {
         draco::DecoderBuffer buffer;
+        buffer.Init(static_cast<const char*>(bytes), size);
+        uint64_t claims = find_claims(&buffer);
+        if (claims > CLAIMS_ALWAYS_ALLOWED && claims / CLAIMS_PER_BYTE > size) {
+            std::snprintf(reason, 80, "%llu faces and points are claimed in %zu bytes",
+                          static_cast<unsigned long long>(claims), size);
+            return STP_DRACO_DAMAGED;
+        }
         buffer.Init(static_cast<const char*>(bytes), size);
         draco::Decoder decoder;
         auto decoded = decoder.DecodeMeshFromBuffer(&buffer);

@@ -3,6 +3,8 @@
 // cameras.
 #include "import/gltf/gltf_accessor.h"
 
+#include <stipple/view.h>
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -217,9 +219,9 @@ static stp_result add_node(object_writer* writer, stp_gltf_node* node)
 }
 
 static stp_result write_view(object_writer* writer, const stp_gltf_node* node, const json_t* camera,
-                             double fov)
+                             double degrees)
 {
-    assert(fov > 0.0 && fov < STP_PI);
+    assert(degrees > 0.0 && degrees < 180.0);
     stp_affine root = writer->scene->objects[writer->gltf->import->root].transform;
     stp_affine world = stp_affine_multiply(root, node->world);
     stp_vec3d eye = {world.m[0][3], world.m[1][3], world.m[2][3]};
@@ -238,7 +240,7 @@ static stp_result write_view(object_writer* writer, const stp_gltf_node* node, c
                            .eye = eye,
                            .target = stp_addd(eye, gaze),
                            .up = up,
-                           .fov_degrees = fov * 180.0 / STP_PI};
+                           .fov_degrees = degrees};
     writer->camera_count += 1;
     return stp_gltf_logged(writer->scope, stp_scene_add_view(writer->scene, &view));
 }
@@ -258,11 +260,12 @@ static stp_result add_camera(object_writer* writer, const stp_gltf_node* node)
     if (result != STP_OK) {
         return result;
     }
-    if (!(fov > 0.0) || !(fov < STP_PI)) {
+    double degrees = fov * 180.0 / STP_PI;
+    if (!(degrees >= STP_FOV_DEGREES_MIN && degrees <= STP_FOV_DEGREES_MAX)) {
         stp_losses_add(&writer->gltf->import->losses, STP_LOSS_CAMERA, 1);
         return STP_OK;
     }
-    return write_view(writer, node, camera, fov);
+    return write_view(writer, node, camera, degrees);
 }
 
 stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf)

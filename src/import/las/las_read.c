@@ -15,7 +15,8 @@
 enum {
     RECORDS_IN_CHUNK = 1 << 16,
     RELEASE_EVERY = 64, // chunks, after which spilled pages are released
-    PROBES = 16         // chunks whose first points say how wide colours are
+    PROBES = 16,        // chunks whose first points say how wide colours are
+    PLAUSIBLE = 32      // points per compressed byte; sets that claim more are decoded to prove it
 };
 #define MAX_IN_SET ((uint64_t)UINT32_MAX - 1)
 
@@ -33,7 +34,7 @@ typedef struct reading {
     bool wide; ///< colours have 16 bits
 
     // one set
-    stp_point_set* set;
+    stp_point_set* set; ///< NULL: points are decoded, but not stored
     const stp_las_chunk* chunks;
     atomic_uint_fast64_t bad_chunk; ///< index of the first that is damaged; SIZE_MAX: none
     atomic_bool no_memory;
@@ -89,7 +90,8 @@ static void read_chunk(reading* r, worker* w, size_t index)
 {
     const stp_las_chunk* chunk = &r->chunks[index];
     uint64_t first = chunk->first - r->chunks[0].first;
-    assert(chunk->read <= chunk->count && first + chunk->read <= r->set->point_count);
+    assert(chunk->read <= chunk->count);
+    assert(r->set == NULL || first + chunk->read <= r->set->point_count);
     unsigned seen = 0;
     for (uint64_t done = 0; done < chunk->read;) {
         size_t count = block_size(chunk->read - done);
@@ -98,8 +100,10 @@ static void read_chunk(reading* r, worker* w, size_t index)
             stop(r);
             return;
         }
-        seen |=
-            stp_las_store_block(r->las, w->block, count, r->wide, r->set, (size_t)(first + done));
+        if (r->set != NULL) {
+            seen |= stp_las_store_block(r->las, w->block, count, r->wide, r->set,
+                                        (size_t)(first + done));
+        }
         done += count;
     }
     atomic_fetch_or(&r->seen, seen);
@@ -119,7 +123,7 @@ static void read_chunks(size_t begin, size_t end, uint32_t index, void* user)
         return;
     }
     for (size_t i = begin; i < end; ++i) {
-        if (i % RELEASE_EVERY == 0) {
+        if (i % RELEASE_EVERY == 0 && r->set != NULL) {
             stp_point_columns_release(r->las->import, r->set);
         }
         read_chunk(r, w, i);
@@ -176,20 +180,11 @@ static bool needs_wide(const reading* r)
     return !r->wide && (atomic_load(&r->seen) & STP_LAS_SEEN_WIDE) != 0;
 }
 
-// Reads chunks [first, first + count) into a set.
-static stp_result read_set(reading* r, size_t first, size_t count, uint64_t point_count)
+// Decodes `count` chunks, of which the first is chunk `first` of the file.
+static stp_result run_chunks(reading* r, size_t first, size_t count, uint64_t point_count)
 {
-    stp_las* las = r->las;
-    assert(count > 0 && first + count <= las->chunk_count && point_count <= MAX_IN_SET);
-    assert(r->set_count < las->chunk_count && "a set holds at least one chunk");
-    stp_point_columns_desc desc = stp_las_columns(las, (uint32_t)point_count);
-    r->set = &r->sets[r->set_count];
-    r->chunks = las->chunks + first;
-    stp_result result = stp_point_columns_create(las->import, &desc, r->set);
-    if (result != STP_OK) {
-        return result;
-    }
-    r->set_count += 1;
+    const stp_las* las = r->las;
+    stp_result result = STP_OK;
     stp_loop_report report = {.stage = "import", .unit = "points", .total = point_count};
     if (las->import->desc.sample_points == 0) {
         result = stp_parallel_for_reported(las->context, count, 1, read_chunks, r, &report);
@@ -209,6 +204,40 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
                         (unsigned long long)chunk->count, (unsigned long long)chunk->offset);
     }
     return needs_wide(r) ? STP_OK : result;
+}
+
+// Whether the chunks claim so many points that they must be decoded before they get memory.
+static bool is_implausible(const reading* r, size_t count, uint64_t point_count)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < count; ++i) {
+        bytes += r->chunks[i].size;
+    }
+    return r->las->items != STP_LAZ_RAW && point_count / PLAUSIBLE > bytes;
+}
+
+// Reads chunks [first, first + count) into a set.
+static stp_result read_set(reading* r, size_t first, size_t count, uint64_t point_count)
+{
+    stp_las* las = r->las;
+    assert(count > 0 && first + count <= las->chunk_count && point_count <= MAX_IN_SET);
+    assert(r->set_count < las->chunk_count && "a set holds at least one chunk");
+    stp_point_columns_desc desc = stp_las_columns(las, (uint32_t)point_count);
+    stp_result result = STP_OK;
+    r->chunks = las->chunks + first;
+    r->set = NULL;
+    if (is_implausible(r, count, point_count)) {
+        result = run_chunks(r, first, count, point_count);
+    }
+    if (result == STP_OK) {
+        r->set = &r->sets[r->set_count];
+        result = stp_point_columns_create(las->import, &desc, r->set);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    r->set_count += 1;
+    return run_chunks(r, first, count, point_count);
 }
 
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,

@@ -15,7 +15,9 @@ enum {
     COMPRESSOR_CHUNKED = 2,
     COMPRESSOR_LAYERED = 3,
     MAX_POINTS_PER_BYTE = 2048, // identical points take about 0.008 bits each
-    MAX_EXTRA = 1 << 14         // extra bytes per point: each needs a model of 1.3 KB
+    MAX_EXTRA = 1 << 14,        // extra bytes per point: each needs a model of 1.3 KB
+    POINTS_ALWAYS_ALLOWED = 1 << 24,
+    POINTS_PER_BYTE = 256 // more than chunks of 50,000 equal points have
 };
 #define VARIABLE UINT32_MAX // a chunk size: each chunk has its own
 
@@ -277,6 +279,20 @@ static stp_result read_chunks(stp_las* las, uint32_t chunk_size)
     return result;
 }
 
+// Damaged data may decode to far more points than measured ones would: a limit for large counts.
+static stp_result check_density(const stp_las* las)
+{
+    uint64_t size = las->import->file.size - las->points;
+    if (las->point_count > POINTS_ALWAYS_ALLOWED && las->point_count / POINTS_PER_BYTE > size) {
+        return stp_fail(las->context, STP_ERROR_LIMIT,
+                        "%s: its header says %llu points in %llu bytes: up to %d a byte are "
+                        "supported",
+                        las->import->path, (unsigned long long)las->point_count,
+                        (unsigned long long)size, POINTS_PER_BYTE);
+    }
+    return STP_OK;
+}
+
 stp_result stp_laz_read_table(stp_las* las)
 {
     compression c = {0};
@@ -287,6 +303,7 @@ stp_result stp_laz_read_table(stp_las* las)
     if (las->point_count == 0) {
         return STP_OK;
     }
-    return c.compressor == COMPRESSOR_POINTWISE ? make_single_chunk(las)
-                                                : read_chunks(las, c.chunk_size);
+    result = c.compressor == COMPRESSOR_POINTWISE ? make_single_chunk(las)
+                                                  : read_chunks(las, c.chunk_size);
+    return result == STP_OK ? check_density(las) : result;
 }

@@ -17,8 +17,9 @@ enum { HEADER_LINES = 10 };
 typedef struct reader {
     stp_import* import;
     stp_text_blocks blocks;
-    uint64_t line; ///< first line of the scan's header, from 0
-    uint32_t scan; ///< from 1
+    stp_line_cursor header; ///< first line of the scan's header
+    stp_line_cursor cells;  ///< first line behind it
+    uint32_t scan;          ///< from 1
     uint32_t columns, rows;
     double scanner[3];
     stp_affine pose;
@@ -42,20 +43,10 @@ static int read_numbers_at(stp_text at, double* values, int maximum)
     return count;
 }
 
-static int read_numbers(const reader* r, uint64_t line, double* values, int maximum)
-{
-    return read_numbers_at(stp_text_blocks_line(&r->blocks, line), values, maximum);
-}
-
-static bool is_blank_line(const reader* r, uint64_t line)
-{
-    return *stp_skip_blanks(stp_text_blocks_line(&r->blocks, line)) == '\n';
-}
-
-static bool read_size(const reader* r, uint64_t line, uint32_t* size)
+static bool read_size(stp_text at, uint32_t* size)
 {
     double values[2];
-    bool good = read_numbers(r, line, values, 2) == 1 && values[0] >= 0.0 &&
+    bool good = read_numbers_at(at, values, 2) == 1 && values[0] >= 0.0 &&
                 values[0] < (double)STP_NONE && values[0] == floor(values[0]);
     *size = good ? (uint32_t)values[0] : 0;
     return good;
@@ -69,8 +60,8 @@ static stp_result check_number(const reader* r, uint64_t line, double value)
     }
     static const char* const contents[] = {"scanner's position", "scanner's axes",
                                            "rotation of the pose", "translation of the pose"};
-    assert(line >= r->line + 2 && line < r->line + HEADER_LINES);
-    uint64_t row = line - r->line - 2;
+    assert(line >= r->header.line + 2 && line < r->header.line + HEADER_LINES);
+    uint64_t row = line - r->header.line - 2;
     int kind = row == 0 ? 0 : row < 4 ? 1 : row < 7 ? 2 : 3;
     return stp_fail(r->import->context, STP_ERROR_FORMAT,
                     "%s: line %llu: %g in the %s: expected magnitudes below %g", r->import->path,
@@ -81,27 +72,31 @@ static stp_result check_number(const reader* r, uint64_t line, double value)
 static stp_result read_header(reader* r)
 {
     double n[4];
-    assert(r->line < r->blocks.line_count);
-    if (r->blocks.line_count - r->line < HEADER_LINES) {
+    uint64_t first = r->header.line;
+    assert(first < r->blocks.line_count);
+    if (r->blocks.line_count - first < HEADER_LINES) {
         return stp_fail(
             r->import->context, STP_ERROR_TRUNCATED,
             "%s: line %llu: a scan starts with %d header lines, but the file ends within them",
-            r->import->path, (unsigned long long)r->line + 1, HEADER_LINES);
+            r->import->path, (unsigned long long)first + 1, HEADER_LINES);
     }
-    if (!read_size(r, r->line, &r->columns) || !read_size(r, r->line + 1, &r->rows)) {
+    stp_line_cursor at = r->header;
+    bool sized = read_size(at.at, &r->columns);
+    stp_line_cursor_next(&at);
+    if (!sized || !read_size(at.at, &r->rows)) {
         return fail_line(
-            r, r->line, "expected the number of columns and, on the next line, the number of rows");
+            r, first, "expected the number of columns and, on the next line, the number of rows");
     }
     for (int i = 0; i < HEADER_LINES - 2; ++i) {
-        uint64_t line = r->line + 2 + (uint64_t)i;
         int wanted = i < 4 ? 3 : 4;
-        if (read_numbers(r, line, n, wanted) != wanted) {
-            return fail_line(r, line,
+        stp_line_cursor_next(&at);
+        if (read_numbers_at(at.at, n, wanted) != wanted) {
+            return fail_line(r, at.line,
                              i < 4 ? "expected the three coordinates of the scanner"
                                    : "expected four numbers of the scanner's pose");
         }
         for (int k = 0; k < 3; ++k) {
-            stp_result result = check_number(r, line, n[k]);
+            stp_result result = check_number(r, at.line, n[k]);
             if (result != STP_OK) {
                 return result;
             }
@@ -112,6 +107,8 @@ static stp_result read_header(reader* r)
             }
         }
     }
+    r->cells = at;
+    stp_line_cursor_skip(&r->cells, 1);
     return STP_OK;
 }
 
@@ -140,7 +137,7 @@ static bool find_columns(const reader* r, stp_columns* columns)
                                                 STP_COLUMN_B}};
     double values[8];
     *columns = known;
-    int count = read_numbers(r, r->line + HEADER_LINES, values, 8);
+    int count = read_numbers_at(r->cells.at, values, 8);
     columns->count = (uint32_t)count;
     return count == 3 || count == 4 || count == 7;
 }
@@ -153,7 +150,7 @@ static void set_origin(const reader* r, stp_cloud* cloud)
     if (count == 0) {
         return;
     }
-    stp_line_cursor cursor = stp_line_cursor_at(&r->blocks, r->line + HEADER_LINES);
+    stp_line_cursor cursor = r->cells;
     for (uint32_t i = 0; i < count; ++i) {
         bool whole = read_numbers_at(cursor.at, place, 3) == 3;
         if (whole && (place[0] != 0.0 || place[1] != 0.0 || place[2] != 0.0)) {
@@ -169,7 +166,8 @@ static stp_result fill_cloud(const reader* r, const stp_columns* columns, stp_cl
     stp_text_points points = {.cloud = cloud,
                               .blocks = &r->blocks,
                               .columns = *columns,
-                              .first_line = r->line + HEADER_LINES,
+                              .first_line = r->cells.line,
+                              .first_at = r->cells.at,
                               .strict = true,
                               .zero_is_empty = true,
                               .ranges = stp_column_ranges_empty()};
@@ -200,17 +198,16 @@ static stp_result read_scan(reader* r)
         return result;
     }
     uint64_t cells = (uint64_t)r->columns * r->rows;
-    uint64_t left = r->blocks.line_count - r->line - HEADER_LINES;
+    uint64_t left = r->blocks.line_count - r->cells.line;
     if (cells > left) {
         return stp_fail(
             r->import->context, STP_ERROR_TRUNCATED,
             "%s: scan %u has %u columns of %u cells, but the file ends after %llu cells",
             r->import->path, r->scan, r->columns, r->rows, (unsigned long long)left);
     }
-    assert(r->line + HEADER_LINES + cells <= r->blocks.line_count);
     stp_columns columns = {0};
     if (cells > 0 && !find_columns(r, &columns)) {
-        return fail_line(r, r->line + HEADER_LINES,
+        return fail_line(r, r->cells.line,
                          "expected three, four or seven numbers: x y z, intensity, red green blue");
     }
     stp_point_columns_desc desc = stp_text_points_wants(&columns);
@@ -219,16 +216,20 @@ static stp_result read_scan(reader* r)
     result = stp_cloud_create(&cloud, r->import, cells, &desc);
     result = result == STP_OK ? fill_cloud(r, &columns, &cloud) : result;
     stp_cloud_destroy(&cloud);
-    r->line += HEADER_LINES + cells;
+    r->header = r->cells;
+    stp_line_cursor_skip(&r->header, cells);
     return result;
 }
 
 static stp_result read_scans(reader* r)
 {
     stp_result result = STP_OK;
-    while (result == STP_OK && r->line < r->blocks.line_count) {
-        if (r->scan > 0 && is_blank_line(r, r->line)) {
-            r->line += 1;
+    if (r->blocks.line_count > 0) {
+        r->header = stp_line_cursor_at(&r->blocks, 0);
+    }
+    while (result == STP_OK && r->header.line < r->blocks.line_count) {
+        if (r->scan > 0 && *stp_skip_blanks(r->header.at) == '\n') {
+            stp_line_cursor_skip(&r->header, 1);
             continue;
         }
         r->scan += 1;

@@ -163,3 +163,22 @@ stp_text stp_text_blocks_line(const stp_text_blocks* b, uint64_t line)
     assert(at < block->end);
     return at;
 }
+
+void stp_line_cursor_skip(stp_line_cursor* cursor, uint64_t count)
+{
+    const stp_text_blocks* b = cursor->blocks;
+    uint64_t line = cursor->line + count;
+    assert(line <= b->line_count && "not behind the end");
+    if (line == b->line_count) {
+        *cursor = (stp_line_cursor){b, b->count - 1, b->blocks[b->count - 1].end, line};
+        return;
+    }
+    size_t block = stp_text_blocks_find(b, line);
+    if (block != cursor->block) {
+        const stp_text_block* to = &b->blocks[block];
+        *cursor = (stp_line_cursor){b, block, to->begin, to->first_line};
+    }
+    for (; cursor->line < line; ++cursor->line) {
+        cursor->at = stp_next_line(cursor->at);
+    }
+}

@@ -46,13 +46,14 @@ typedef struct stp_line_cursor {
     const stp_text_blocks* blocks;
     size_t block;
     stp_text at; ///< start of the line
+    uint64_t line;
 } stp_line_cursor;
 
 /// Starts at a line below line_count.
 static inline stp_line_cursor stp_line_cursor_at(const stp_text_blocks* blocks, uint64_t line)
 {
     return (stp_line_cursor){blocks, stp_text_blocks_find(blocks, line),
-                             stp_text_blocks_line(blocks, line)};
+                             stp_text_blocks_line(blocks, line), line};
 }
 
 /// Advances to the next line, which must exist.
@@ -61,9 +62,14 @@ static inline void stp_line_cursor_next(stp_line_cursor* cursor)
     assert(cursor->block < cursor->blocks->count &&
            cursor->at < cursor->blocks->blocks[cursor->block].end && "at the start of a line");
     cursor->at = stp_next_line(cursor->at);
+    cursor->line += 1;
     if (cursor->at == cursor->blocks->blocks[cursor->block].end &&
         cursor->block + 1 < cursor->blocks->count) {
         cursor->block += 1;
         cursor->at = cursor->blocks->blocks[cursor->block].begin;
     }
 }
+
+/// Advances by `count` lines, at most to the end of the text, in time proportional to the lines that
+/// it passes in the last block.
+void stp_line_cursor_skip(stp_line_cursor* cursor, uint64_t count);

@@ -214,6 +214,11 @@ static cursor begin_block(const reading* r, const stp_text_block* b)
                 .end_line = p->first_line + p->cloud->set.point_count,
                 .counts = {.first_bad = UINT64_MAX}};
     assert(c.at < c.end);
+    if (c.line < p->first_line && p->first_at != NULL) {
+        assert(p->first_at > b->begin && p->first_at < b->end);
+        c.at = p->first_at;
+        c.line = p->first_line;
+    }
     for (; c.line < p->first_line; ++c.line) {
         c.at = stp_next_line(c.at);
     }

@@ -13,6 +13,7 @@ typedef struct stp_text_points {
     const stp_text_blocks* blocks;
     stp_columns columns;
     uint64_t first_line; ///< cell 0; as many lines as the cloud has cells are read
+    stp_text first_at;   ///< start of that line; NULL: it is searched in its block
     bool strict;         ///< no line may be blank, a comment or a count
     bool zero_is_empty;  ///< a point at the origin counts as empty
     bool color_fractions;

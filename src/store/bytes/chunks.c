@@ -143,6 +143,7 @@ bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
 }
 
 const char* const stp_store_unreadable = "bytes";
+const char* const stp_store_no_memory = "content";
 
 /// Read state of a block.
 typedef struct block_reader {
@@ -179,14 +180,17 @@ static void scatter(const stp_store_column* columns, unsigned char* const* targe
 static const char* read_plain(block_reader* at, const stp_store_octave_span* span,
                               unsigned char* const* targets)
 {
-    unsigned char bytes[STP_STORE_CHUNK_BYTES];
+    unsigned char* bytes = stp_store_unpacker_rooms(&at->unpacker);
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint32_t crc = 0;
+    if (bytes == NULL) {
+        return stp_store_no_memory;
+    }
     stp_store_chunk_columns(span, 0, columns);
     for (uint64_t done = 0; done < block->size;) {
         uint64_t left = block->size - done;
-        size_t size = left < sizeof(bytes) ? (size_t)left : sizeof(bytes);
+        size_t size = left < STP_STORE_CHUNK_BYTES ? (size_t)left : STP_STORE_CHUNK_BYTES;
         if (!read_part(at, done, bytes, size)) {
             return stp_store_unreadable;
         }
@@ -229,7 +233,6 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
                                 const unsigned char* stored, size_t stored_size,
                                 unsigned char* const* targets)
 {
-    unsigned char decoded[STP_STORE_CHUNK_BYTES];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
     assert(stored_size <= size);
@@ -248,6 +251,7 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
                      stp_operators_decode(&run, &at->operators, stored, stored_size);
         return right ? NULL : "coding of a chunk";
     }
+    unsigned char* decoded = stp_store_unpacker_rooms(&at->unpacker) + STP_STORE_CHUNK_BYTES;
     if (!stp_store_unpack(&at->unpacker, stored, stored_size, decoded, size)) {
         return "compression of a chunk";
     }
@@ -259,12 +263,15 @@ static const char* decode_chunk(block_reader* at, const stp_store_octave_span* s
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset, unsigned char* const* targets)
 {
-    unsigned char stored[STP_STORE_CHUNK_BYTES];
+    unsigned char* stored = stp_store_unpacker_rooms(&at->unpacker);
     unsigned char entry[STP_STORE_CHUNK_ENTRY];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint64_t size = stp_store_chunk_columns(span, chunk, columns), stored_size = block->size;
     uint32_t crc = block->crc;
+    if (stored == NULL) {
+        return stp_store_no_memory;
+    }
     if (stp_store_chunk_table_bytes(span) != 0) {
         if (!read_part(at, (uint64_t)chunk * STP_STORE_CHUNK_ENTRY, entry, sizeof(entry))) {
             return stp_store_unreadable;

@@ -58,10 +58,13 @@ static inline uint64_t stp_store_waiting_bytes(uint64_t splats)
 
 /// Fault that stp_store_read_chunks returns if the source failed.
 extern const char* const stp_store_unreadable;
+/// Fault if memory runs out.
+extern const char* const stp_store_no_memory;
 
 /// Reads, checks and decodes chunks [begin, end) of an octave into its columns
 /// (stp_store_octave_targets; NULL skips a column). Adds the bytes read to `read_bytes`.
-/// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable. Any thread
+/// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable, or
+/// stp_store_no_memory. Any thread
 const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                                   void* const targets[STP_OCTAVE_COLUMNS], uint64_t* read_bytes);

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <libdeflate.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LEVEL = 6 }; ///< compression level: docs/notes/2026-11-compression.md
@@ -38,11 +39,43 @@ size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, 
     return made;
 }
 
+struct stp_store_unpacker {
+    struct libdeflate_decompressor* decompressor;
+    unsigned char* rooms; ///< NULL: not used yet
+};
+
+static stp_store_unpacker* create_unpacker(void)
+{
+    stp_store_unpacker* made = calloc(1, sizeof(*made));
+    if (made == NULL) {
+        return NULL;
+    }
+    made->decompressor = libdeflate_alloc_decompressor();
+    if (made->decompressor == NULL) {
+        free(made);
+        return NULL;
+    }
+    return made;
+}
+
 void stp_store_unpacker_destroy(stp_store_unpacker* unpacker)
 {
     if (unpacker != NULL) {
-        libdeflate_free_decompressor(unpacker);
+        libdeflate_free_decompressor(unpacker->decompressor);
+        free(unpacker->rooms);
+        free(unpacker);
     }
+}
+
+unsigned char* stp_store_unpacker_rooms(stp_store_unpacker** unpacker)
+{
+    if (*unpacker == NULL) {
+        *unpacker = create_unpacker();
+    }
+    if (*unpacker != NULL && (*unpacker)->rooms == NULL) {
+        (*unpacker)->rooms = malloc(STP_STORE_ROOMS * (size_t)STP_STORE_CHUNK_BYTES);
+    }
+    return *unpacker != NULL ? (*unpacker)->rooms : NULL;
 }
 
 bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
@@ -54,11 +87,11 @@ bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored
         return false;
     }
     if (*unpacker == NULL) {
-        *unpacker = libdeflate_alloc_decompressor();
+        *unpacker = create_unpacker();
     }
     if (*unpacker == NULL ||
-        libdeflate_deflate_decompress_ex(*unpacker, stored, stored_size, out, size, &used, &made) !=
-            LIBDEFLATE_SUCCESS) {
+        libdeflate_deflate_decompress_ex((*unpacker)->decompressor, stored, stored_size, out, size,
+                                         &used, &made) != LIBDEFLATE_SUCCESS) {
         return false;
     }
     for (size_t i = used; i < stored_size; ++i) {

@@ -25,11 +25,16 @@ void stp_store_packer_destroy(stp_store_packer* packer);
 /// @return the bytes stored, at most `size`
 size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out);
 
-/// A decompressor, for one thread at a time; takes about 12 KiB.
-typedef struct libdeflate_decompressor stp_store_unpacker;
+/// A decompressor and room for chunks, for one thread at a time; takes about 12 KiB, with the room
+/// 204 KiB.
+typedef struct stp_store_unpacker stp_store_unpacker;
 void stp_store_unpacker_destroy(stp_store_unpacker* unpacker);
+enum { STP_STORE_ROOMS = 3 };
+/// Room for STP_STORE_ROOMS chunks, one after the other, aligned to 8 bytes: more than a small stack
+/// has. Creates `*unpacker` if it is NULL. @return NULL if memory runs out
+unsigned char* stp_store_unpacker_rooms(stp_store_unpacker** unpacker);
 /// Decodes a chunk of `size` bytes whose stored size is smaller. Creates `*unpacker` if it is NULL.
-/// @return false if the bytes are invalid or memory runs out
+/// @return false if the bytes are invalid, or memory runs out (`*unpacker` is NULL then)
 bool stp_store_unpack(stp_store_unpacker** unpacker, const unsigned char* stored,
                       size_t stored_size, void* out, size_t size);
 

@@ -115,8 +115,11 @@ static bool are_finite(const void* values, size_t count)
 static const char* take_chunk(chunk_reader* at, uint64_t chunk, uint64_t offset,
                               const unsigned char entry[STP_STORE_CHUNK_ENTRY])
 {
-    _Alignas(8) unsigned char joined[STP_STORE_CHUNK_BYTES];
-    unsigned char stored[STP_STORE_CHUNK_BYTES], split[STP_STORE_CHUNK_BYTES];
+    unsigned char* joined = stp_store_unpacker_rooms(&at->unpacker);
+    if (joined == NULL) {
+        return stp_store_no_memory;
+    }
+    unsigned char *stored = joined + STP_STORE_CHUNK_BYTES, *split = stored + STP_STORE_CHUNK_BYTES;
     size_t size = stp_attribute_size(at->attribute);
     uint64_t each = stp_store_values_each(at->attribute), begin = chunk * each;
     uint64_t left = at->values->count - begin, count = left < each ? left : each;

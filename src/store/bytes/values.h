@@ -50,7 +50,8 @@ typedef void (*stp_store_take_values)(void* user, uint64_t first, const void* va
 
 /// Reads values [first, end) of an attribute in the block, and passes them on in runs, in order.
 /// Adds the bytes read to `read_bytes`. Any thread.
-/// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable
+/// @return NULL, or the error in the block ("checksum"), or stp_store_unreadable, or
+/// stp_store_no_memory
 const char* stp_store_read_values(const stp_store_values* values, stp_attribute attribute,
                                   uint64_t first, uint64_t end, stp_store_take_values take,
                                   void* user, uint64_t* read_bytes);

@@ -2,6 +2,7 @@
 // The block table, and the records that own blocks.
 #include "store/file/block_table.h"
 
+#include "store/bytes/chunks.h"
 #include "store/bytes/deflate.h"
 
 #include <assert.h>
@@ -23,6 +24,9 @@ bool stp_store_is_block_here(const stp_store* store, const stp_store_block* bloc
 stp_result stp_store_fail_block(const stp_store* store, const stp_store_block* block,
                                 const char* what)
 {
+    if (what == stp_store_no_memory) {
+        return stp_fail_memory(store->context);
+    }
     if (!stp_store_is_block_here(store, block)) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED,
                         "%s: ends before the block at %llu does", store->path,

@@ -95,12 +95,14 @@ stp_result stp_store_read_page(stp_store* store, const stp_store_section* sectio
 stp_result stp_store_check_packed(stp_store* store, const stp_store_section* section,
                                   uint64_t pages)
 {
-    unsigned char content[STP_STORE_CHUNK_BYTES];
+    unsigned char* content = stp_alloc(store->context, STP_STORE_CHUNK_BYTES);
     uint64_t count = stp_store_packed_page_count(section);
-    stp_result result = stp_store_open_packed(store, section);
+    stp_result result =
+        content != NULL ? stp_store_open_packed(store, section) : stp_fail_memory(store->context);
     for (uint64_t page = 0; result == STP_OK && page < count && page < pages; ++page) {
         result = stp_store_read_page(store, section, page, content);
     }
+    stp_free(store->context, content);
     return result;
 }
 

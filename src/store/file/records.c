@@ -3,6 +3,8 @@
 
 #include "base/io/bytes.h"
 
+#include <stipple/view.h>
+
 #include <assert.h>
 
 static void note_fault(stp_store_codec* codec, const char* fault)
@@ -284,6 +286,9 @@ static void code_view(stp_store_codec* codec, void* element)
     code_vec3d(codec, &view->target);
     code_vec3d(codec, &view->up);
     code_f64(codec, &view->fov_degrees);
+    if (!(view->fov_degrees >= STP_FOV_DEGREES_MIN && view->fov_degrees <= STP_FOV_DEGREES_MAX)) {
+        note_fault(codec, "has a field of view that is not from 0.001 to 179.9 degrees");
+    }
 }
 
 static void code_source(stp_store_codec* codec, void* element)

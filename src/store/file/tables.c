@@ -66,10 +66,11 @@ static stp_result decode_records(stp_store* store, const stp_store_section* sect
 static stp_result decode_packed(stp_store* store, const stp_store_section* section,
                                 stp_store_text* text)
 {
-    unsigned char content[STP_STORE_CHUNK_BYTES];
+    unsigned char* content = stp_alloc(store->context, STP_STORE_CHUNK_BYTES);
     uint64_t pages = stp_store_packed_page_count(section);
     uint32_t records = STP_STORE_CHUNK_BYTES / section->record_size;
-    stp_result result = stp_store_open_packed(store, section);
+    stp_result result =
+        content != NULL ? stp_store_open_packed(store, section) : stp_fail_memory(store->context);
     for (uint64_t page = 0; page < pages && result == STP_OK; ++page) {
         size_t size = stp_store_page_size(section, page);
         result = stp_store_read_page(store, section, page, content);
@@ -78,6 +79,7 @@ static stp_result decode_packed(stp_store* store, const stp_store_section* secti
                                     (uint32_t)(size / section->record_size));
         }
     }
+    stp_free(store->context, content);
     return result;
 }
 

@@ -89,7 +89,7 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     }
     if (fault != NULL && !atomic_load(&r->ending)) {
         stp_warn(r->context,
-                 fault == stp_store_unreadable
+                 fault == stp_store_unreadable || fault == stp_store_no_memory
                      ? "%s: the %s of the block at %llu cannot be read and is left out"
                      : "%s: the %s of the block at %llu is wrong: it is left out",
                  r->store->path, fault, (unsigned long long)block->offset);

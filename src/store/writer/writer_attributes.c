@@ -144,6 +144,7 @@ typedef struct value_batch {
     uint64_t count;        ///< number of values
     uint64_t first;        ///< index of the first chunk
     unsigned char* stored; ///< room for BATCH chunks
+    unsigned char* split;  ///< room for a chunk of each thread
     uint32_t sizes[BATCH]; ///< 0: out of memory
     stp_store_packer** packers;
 } value_batch;
@@ -151,7 +152,7 @@ typedef struct value_batch {
 static void pack_values(size_t begin, size_t end, uint32_t worker, void* user)
 {
     value_batch* b = user;
-    unsigned char split[STP_STORE_CHUNK_BYTES];
+    unsigned char* split = b->split + (size_t)worker * STP_STORE_CHUNK_BYTES;
     size_t size = stp_attribute_size(b->attribute);
     uint64_t each = stp_store_values_each(b->attribute);
     bool passing = b->w->content->passing;
@@ -248,13 +249,15 @@ stp_result stp_store_write_values(stp_store_writing* w, stp_store_block* block)
     uint32_t threads = stp_context_thread_count(w->context);
     value_batch b = {.w = w,
                      .stored = stp_alloc_array(w->context, BATCH, STP_STORE_CHUNK_BYTES),
+                     .split = stp_alloc_array(w->context, threads, STP_STORE_CHUNK_BYTES),
                      .packers = STP_NEW_ZEROED(w->context, stp_store_packer*, threads)};
-    bool made = b.stored != NULL && b.packers != NULL;
+    bool made = b.stored != NULL && b.split != NULL && b.packers != NULL;
     stp_result result = made ? write_values(&b, block) : stp_fail_memory(w->context);
     for (uint32_t i = 0; b.packers != NULL && i < threads; ++i) {
         stp_store_packer_destroy(b.packers[i]);
     }
     stp_free(w->context, b.packers);
+    stp_free(w->context, b.split);
     stp_free(w->context, b.stored);
     return result;
 }

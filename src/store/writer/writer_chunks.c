@@ -25,9 +25,10 @@ struct stp_store_batch {
     stp_store_writing* w;
     packed_chunk chunks[BATCH];
     size_t count;
-    unsigned char* bytes; ///< room for BATCH chunks
-    uint32_t* parents;    ///< operators: SPLITS_MAX per chunk
-    unsigned char* table; ///< chunk table of the block being written
+    unsigned char* bytes;    ///< room for BATCH chunks
+    unsigned char* gathered; ///< room for a chunk of each thread
+    uint32_t* parents;       ///< operators: SPLITS_MAX per chunk
+    unsigned char* table;    ///< chunk table of the block being written
     size_t table_capacity;
     stp_store_packer** packers; ///< one per thread, created on first use
     uint32_t thread_count;
@@ -49,8 +50,11 @@ stp_result stp_store_batch_create(stp_store_writing* w, stp_store_batch** batch)
     b->w = w;
     b->thread_count = stp_context_thread_count(w->context);
     b->bytes = stp_alloc_array(w->context, BATCH, STP_STORE_CHUNK_BYTES);
+    b->gathered = stp_alloc_array(w->context, b->thread_count, STP_STORE_CHUNK_BYTES);
     b->packers = STP_NEW_ZEROED(w->context, stp_store_packer*, b->thread_count);
-    return b->bytes != NULL && b->packers != NULL ? STP_OK : stp_fail_memory(w->context);
+    return b->bytes != NULL && b->gathered != NULL && b->packers != NULL
+               ? STP_OK
+               : stp_fail_memory(w->context);
 }
 
 void stp_store_batch_destroy(stp_store_batch* b)
@@ -65,6 +69,7 @@ void stp_store_batch_destroy(stp_store_batch* b)
     stp_free(context, b->packers);
     stp_free(context, b->parents);
     stp_free(context, b->table);
+    stp_free(context, b->gathered);
     stp_free(context, b->bytes);
     stp_free(context, b);
 }
@@ -126,7 +131,7 @@ static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_store_batch* b = user;
     const stp_store_writing* w = b->w;
-    unsigned char bytes[STP_STORE_CHUNK_BYTES];
+    unsigned char* bytes = b->gathered + (size_t)worker * STP_STORE_CHUNK_BYTES;
     if (b->packers[worker] == NULL && !w->content->passing) {
         b->packers[worker] = stp_store_packer_create();
     }
