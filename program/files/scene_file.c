@@ -418,17 +418,27 @@ bool tool_is_standard_view(const stp_store* store, const char* name)
     return find_stored_view(store, name) == NULL && stp_camera_is_standard(name);
 }
 
-bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
-                    stp_view* view)
+bool tool_find_stored_view(const stp_store* store, const char* name, stp_view* view)
 {
     const stp_store_view* stored = find_stored_view(store, name);
-    if (stored != NULL) {
-        view->eye = stored->eye;
-        view->target = stored->target;
-        view->up = stored->up;
-        view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+    if (stored == NULL) {
+        return false;
+    }
+    view->eye = stored->eye;
+    view->target = stored->target;
+    view->up = stored->up;
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+    return true;
+}
+
+bool tool_find_view(const stp_farthest_store* content, const char* name, stp_view* view)
+{
+    if (tool_find_stored_view(content->store, name, view)) {
         return true;
     }
-    stp_boxd box = stp_visible_bounds(store, visibility);
-    return stp_camera_frame(name, &box, view);
+    if (!stp_camera_face(name, view)) {
+        return false;
+    }
+    stp_camera_fit_store(content, NULL, view);
+    return true;
 }

@@ -8,7 +8,7 @@
 #include "import/reading/scan_info.h"
 #include "program/options/command.h"
 #include "scene/scene.h"
-#include "select/visibility.h"
+#include "select/farthest.h"
 #include "store/file/store.h"
 
 #include <stipple/view.h>
@@ -77,13 +77,14 @@ STP_MUST_USE stp_result tool_import_spilled(stp_context* context, const char* pa
 STP_MUST_USE stp_result tool_import_described(stp_context* context, const char* path,
                                               stp_scan_info* scan, stp_scene** scene);
 
-/// Sets eye, target and up of `view` from a named view of the file or a standard view, and the
-/// field of view if the named view is a camera with one and `view->fov_degrees` is 0. Standard
-/// views fit the visible content, given by `visibility` (NULL: everything) and the view's sections;
-/// they use width, height, fov, eye_distance and ortho_height. @return false if no view has that
-/// name
-bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
-                    stp_view* view);
+/// Sets eye, target and up of `view` from a named view of the file, and the field of view if that
+/// is a camera with one and `view->fov_degrees` is 0. @return false if the file has no such view
+bool tool_find_stored_view(const stp_store* store, const char* name, stp_view* view);
+
+/// The same for a named view of the file or a standard view. Standard views fit the visible content
+/// without what the view's sections cut away; they use width, height, fov (0: STP_CAMERA_FOV),
+/// eye_distance and ortho_height. @return false if no view has that name
+bool tool_find_view(const stp_farthest_store* content, const char* name, stp_view* view);
 
 /// Whether a name is that of a standard view.
 bool tool_is_standard_view(const stp_store* store, const char* name);

@@ -20,8 +20,10 @@ fi
 check "the picture is accumulated" 'picture["samples"] == 4'
 xdotool key Tab
 wait_until 'r["rests"] and not r["panels"] and '"picture['width'] == $width and picture['height'] == $height"
+keep
 xdotool key f # frames what there is, from where it is seen from
 wait_until 'r["rests"] and picture["complete"]'
+check "the first view fits the picture when panels close" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-6'
 shot first.png
 as_seen rendered.png scene:boxes
 same first.png rendered.png 0.98
@@ -45,7 +47,7 @@ wait_until 'r["rests"] and near(camera["up"][2], -1)'
 xdotool key 3
 wait_until 'r["rests"] and near(camera["eye"][2], 0) and camera["eye"][0] > 1'
 xdotool key 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 
 # a click on a surface selects the part and sets the pivot; Escape clears the selection
 xdotool mousemove $middle click 1
@@ -53,7 +55,7 @@ wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
 shot chosen.png
 xdotool key Escape Home 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 xdotool mousemove $middle click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
@@ -135,5 +137,12 @@ xdotool key Escape F6 Tab
 wait_until 'r["rests"] and not r["help"] and not r["panels"]'
 xdotool windowsize "$window" "$width" "$height"
 wait_until 'r["rests"] and '"picture['width'] == $width and picture['height'] == $height"
+# a camera that was moved stays when the picture gets another shape
+drag 1 $middle $((width / 2 + 30)) $((height / 2))
+wait_until 'r["rests"] and abs(camera["eye"][0]) > 0.1'
+keep
+xdotool windowsize "$window" $other_size
+wait_until "r['rests'] and f\"{picture['width']} {picture['height']}\" == '$other_size'"
+check "a moved camera stays" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9'
 close_viewer
 [ $failures -eq 0 ]

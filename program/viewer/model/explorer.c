@@ -324,14 +324,20 @@ void explorer_choose_picked(explorer* e, const stp_pick* pick)
     explorer_choose(e, item.depth > 0 ? &item : NULL, true);
 }
 
-bool explorer_chosen_box(explorer* e, stp_boxd* box)
+bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box)
 {
     stp_outline_row row;
-    bool any = e->chosen.depth > 0 && e->ready &&
-               stp_outline_describe(e->outline, &e->chosen, &row) == STP_OK &&
+    bool any = item->depth > 0 && item->node != STP_STORE_NONE && e->ready &&
+               stp_outline_describe(e->outline, item, &row) == STP_OK &&
                !stp_boxd_is_empty(row.bounds);
-    *box = any ? row.bounds : stp_boxd_empty();
+    *box = any ? row.bounds : *box;
     return any;
+}
+
+bool explorer_chosen_box(explorer* e, stp_boxd* box)
+{
+    *box = stp_boxd_empty();
+    return explorer_item_box(e, &e->chosen, box);
 }
 
 static void apply_marks(explorer* e)

@@ -108,8 +108,9 @@ bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pi
 /// Selects the picked part (NULL: none) and expands the tree down to it.
 void explorer_choose_picked(explorer* e, const stp_pick* pick);
 void explorer_choose(explorer* e, const stp_outline_item* item, bool reveals);
-/// Bounds of the selected part. @return false if nothing is selected or the part has no visible
-/// content
+/// Bounds of a part. @return false, and leaves the box, if it has no content
+bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box);
+/// Bounds of the selected part. @return false if nothing is selected or the part has no content
 bool explorer_chosen_box(explorer* e, stp_boxd* box);
 
 /// Hides, isolates or ghosts a part; shows it normally again if it already was so.

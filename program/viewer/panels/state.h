@@ -113,6 +113,15 @@ typedef struct flight_record {
     size_t count, capacity;
 } flight_record;
 
+/// The last automatic framing. It is repeated when the picture gets another shape, as long as the
+/// user has not moved the camera.
+typedef struct framing_state {
+    bool on;
+    stp_outline_item part; ///< what was framed; depth 0: everything
+    uint32_t scene;        ///< serial of the framed scene
+    stp_navigator framed;  ///< the camera that it gave
+} framing_state;
+
 typedef struct shot shot;
 
 /// Widgets for the number of splats.
@@ -143,6 +152,7 @@ typedef struct viewer {
     stp_navigator camera, glide_from, glide_to;
     double glide_start; ///< negative: no glide in progress
     bool has_camera;
+    framing_state framing;
     input_state input;
     // parts, sections, measures, viewpoints
     stp_context* context; ///< the window's own
@@ -200,6 +210,14 @@ bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point);
 /// The camera of the shown picture. @return false if there is none
 bool camera_of_picture(const viewer* v, stp_navigator* n);
 stp_boxd camera_scene_box(const viewer* v);
+
+// framing.c
+/// Turns to a standard view of everything. @return false if no standard view has that name
+bool framing_face(viewer* v, const char* name, stp_navigator* to);
+/// Frames the selected part, or everything.
+void framing_frame(viewer* v, stp_navigator* to);
+/// Repeats the last framing if the picture has another shape.
+void framing_step(viewer* v);
 
 // input.c
 void input_take(viewer* v, const SDL_Event* event);

@@ -266,6 +266,7 @@ static void step(viewer* v)
     v->camera.width = (uint32_t)v->picture_area.width;
     v->camera.height = (uint32_t)v->picture_area.height;
     assert(v->camera.width > 0 && v->camera.height > 0 && "panels leave room for a picture");
+    framing_step(v);
     camera_step(v, seconds);
     input_step(v, seconds);
     step_explorer(v);
