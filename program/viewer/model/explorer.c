@@ -36,6 +36,7 @@ explorer* explorer_create(const char* path)
         explorer_destroy(e);
         return NULL;
     }
+    e->rounding = stp_bounds_rounding(e->context, e->store);
     return e;
 }
 

@@ -57,6 +57,7 @@ typedef struct explorer {
     stp_store* store;
     stp_outline* outline;
     stp_visibility* visibility;
+    double rounding;   ///< how far content may lie outside its bounds (stp_bounds_rounding)
     bool ready;        ///< the tree can be shown
     bool failed;       ///< the tree cannot be read
     char message[512]; ///< the last error; cleared by whoever shows it; empty: none

@@ -36,7 +36,8 @@ stp_sections section_make(const viewer* v)
     const section_state* s = &v->section;
     stp_sections sections = {0};
     if (s->has_box && !stp_boxd_is_empty(s->box)) {
-        (void)stp_sections_add_box(&sections, &s->box);
+        (void)stp_sections_add_box(&sections, &s->box,
+                                   v->explorer != NULL ? v->explorer->rounding : 0.0);
     }
     for (int i = 0; i < s->plane_count; ++i) {
         const section_plane* p = &s->planes[i];
