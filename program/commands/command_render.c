@@ -34,6 +34,7 @@ static struct {
     uint64_t accumulate;
     bool once;
     const char* pick;
+    model_axes axes;
     draw_options draw;
 } args;
 
@@ -108,6 +109,8 @@ static const option* options(void)
          .group = "Output",
          .rare = true},
         OPTION_COLUMNS(&args.columns),
+        OPTION_MODEL_UP("model-up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         {0},
     };
     static option table[OPTION_TABLE_ROOM];
@@ -452,6 +455,7 @@ static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
     code = code == 0 ? tool_take_columns(args.columns, argc, argv) : code;
+    code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -29,6 +29,7 @@ static struct {
     uint32_t size[2];
     uint8_t background[3];
     bool has_background, json;
+    model_axes axes;
 } args;
 
 static const option* options(void)
@@ -65,6 +66,8 @@ static const option* options(void)
                  "default none (transparent)",
          .value = args.background,
          .given = &args.has_background},
+        OPTION_MODEL_UP("model-up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
@@ -282,6 +285,7 @@ static int check_arguments(int argc, const char* path)
 static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argc > 0 ? argv[0] : NULL);
+    code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -155,7 +155,13 @@ static void show_panel_buttons(viewer* v)
 static void show_bar(viewer* v)
 {
     float scale = v->window.scale, whole = (float)v->window.width;
-    const char* name = v->file[0] != 0 ? file_name(v) : "Stipple";
+    char name[512] = "Stipple", more[32] = "";
+    if (v->more > 0) {
+        snprintf(more, sizeof(more), " and %zu more", v->more);
+    }
+    if (v->file[0] != 0) {
+        snprintf(name, sizeof(name), "%.400s%s", file_name(v), more);
+    }
     float width = gui_text_width("Parts") + gui_text_width("Open") + 48.0f * scale;
     for (int i = 0; i < PAGES; ++i) {
         width += gui_text_width(pages[i].label) + 24.0f * scale;

@@ -105,6 +105,9 @@ bool orientation_click(viewer* v, float x, float y);
 stp_scale_bar orientation_scale_bar(const viewer* v, const stp_navigator* n);
 void orientation_overlay(const viewer* v, const stp_navigator* n);
 
+// model_page.c
+void model_page_show(viewer* v); ///< the controls in the panel
+
 // saved_views.c
 void page_views(viewer* v);
 void views_begin(viewer* v); ///< for a new file

@@ -10,6 +10,7 @@
 #include "program/viewer/model/folder.h"
 #include "program/viewer/model/loader.h"
 #include "program/viewer/model/paint_thread.h"
+#include "program/viewer/model/path_list.h"
 #include "program/viewer/panels/viewer.h"
 #include "program/viewer/window/window.h"
 
@@ -44,6 +45,8 @@ bool start_has_dialog(const struct viewer* v);
 /// The folder shown by the dialog, and the text typed into it; "": none.
 const char* start_folder(const struct viewer* v);
 const char* start_typed(const struct viewer* v);
+/// Number of entries that the dialog lists.
+size_t start_listed(const struct viewer* v);
 /// Opens a recent file; a missing file is removed from the list. @return false if there is no such
 /// entry
 bool start_open_recent(struct viewer* v, size_t index);
@@ -141,7 +144,12 @@ typedef struct viewer {
     viewer_area picture_area;
     // the scene
     loader_news news;
-    char file[PATH_ROOM];                    ///< shown or being loaded
+    char file[PATH_ROOM]; ///< shown or being loaded: a file or a folder
+    size_t more;          ///< number of further files that were opened with it
+    path_list inputs;     ///< all files of the scene
+    path_list dropped;    ///< files of a drop that is not yet complete
+    char up;              ///< corrections of the inputs (scene_input)
+    double unit_metres;
     uint32_t opening;                        ///< serial that the painter is opening
     uint32_t former;                         ///< serials up to this one belong to the previous file
     uint32_t file_number, shown_file_number; ///< number of files so far; number of the shown one
@@ -191,7 +199,13 @@ typedef struct viewer {
 void viewer_redraw(viewer* v);
 /// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
-void viewer_open(viewer* v, const char* path);
+void viewer_open(viewer* v, const char* path); ///< a file, or all models of a folder
+/// Opens files and the models of folders as one scene.
+void viewer_open_all(viewer* v, const char* const* paths, size_t count);
+/// Whether up axis and unit of the scene can be corrected: it is not built yet.
+bool viewer_can_correct(const viewer* v);
+/// Shows the same files with another up axis and unit (scene_input).
+void viewer_correct(viewer* v, char up, double unit_metres);
 void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.

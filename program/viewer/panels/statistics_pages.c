@@ -202,6 +202,9 @@ void page_quality(viewer* v)
     if (gui_section("Speed and quality", true)) {
         show_speed(v);
     }
+    if (gui_section("Model", false)) {
+        model_page_show(v);
+    }
     if (gui_section("Advanced", false)) {
         show_advanced(v);
     }

@@ -99,6 +99,11 @@ bool gui_choice(const char* label, int* value, const char* const* words, int cou
 bool gui_color(const char* label, float color[3], const char* tooltip);
 /// @return whether the text changed; *entered: whether Enter was pressed
 bool gui_input(const char* label, const char* hint, char* text, size_t size, bool* entered);
+/// Replaces what was typed by a completion, of at most `size` bytes. @return false if there is none
+typedef bool (*gui_completer)(const char* typed, char* text, size_t size, void* user);
+/// The same; Tab completes the text.
+bool gui_input_completed(const char* label, const char* hint, char* text, size_t size,
+                         gui_completer complete, void* user, bool* entered);
 void gui_focus_next(void); ///< gives the keyboard focus to the next widget
 
 enum {
