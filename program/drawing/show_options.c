@@ -259,23 +259,25 @@ int scene_show_apply(scene_show* show, const show_options* o, stp_view* view)
 
 stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint)
 {
-    bool isolates = false;
+    bool isolates = false, focuses = false;
     if (viewpoint->object_count == 0) {
         return STP_OK;
     }
     stp_result result = make_visibility(show);
     for (size_t i = 0; i < viewpoint->object_count; ++i) {
         isolates = isolates || viewpoint->objects[i].as == STP_SHOWN_ISOLATED;
+        focuses = focuses || viewpoint->objects[i].as == STP_SHOWN_FOCUSED;
     }
-    if (result == STP_OK && isolates) {
-        stp_visibility_reset(show->visibility, STP_SHOW_NOT);
+    if (result == STP_OK && (isolates || focuses)) {
+        stp_visibility_reset(show->visibility, isolates ? STP_SHOW_NOT : STP_SHOW_GHOST);
     }
     for (int pass = 0; pass < 2; ++pass) { // isolates first, because objects within may be hidden
         for (size_t i = 0; i < viewpoint->object_count && result == STP_OK; ++i) {
             const stp_shown_object* object = &viewpoint->objects[i];
             stp_outline_item item;
             bool found = false;
-            if ((object->as == STP_SHOWN_ISOLATED) != (pass == 0)) {
+            bool alone = object->as == STP_SHOWN_ISOLATED || object->as == STP_SHOWN_FOCUSED;
+            if (alone != (pass == 0)) {
                 continue;
             }
             result =
@@ -287,9 +289,9 @@ stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint
             }
             if (result == STP_OK && found && item.node != STP_STORE_NONE) {
                 result = set_item(show, &item,
-                                  object->as == STP_SHOWN_ISOLATED ? STP_SHOW
-                                  : object->as == STP_SHOWN_GHOST  ? STP_SHOW_GHOST
-                                                                   : STP_SHOW_NOT);
+                                  alone                           ? STP_SHOW
+                                  : object->as == STP_SHOWN_GHOST ? STP_SHOW_GHOST
+                                                                  : STP_SHOW_NOT);
             }
         }
     }

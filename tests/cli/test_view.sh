@@ -59,6 +59,7 @@ wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (came
 xdotool mousemove $middle click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
+check "the selection is tinted" 'tools["tinted"][0] > 20'
 # F fits the part, Home everything
 xdotool key f
 wait_until 'r["rests"] and camera["reach"] < 0.6 * k["camera"]["reach"]'
@@ -80,13 +81,19 @@ shot isolated.png
 other isolated.png all_parts.png 0.9
 xdotool key g # of what was isolated
 wait_until 'r["rests"] and tools["marks"] == 2'
+xdotool key o # all others are ghosts, instead of hidden
+wait_until 'r["rests"] and tools["marks"] == 2'
+shot focused.png
+other focused.png isolated.png 0.98
 xdotool key u Escape
-wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == ""'
+wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == "" and tools["tinted"] == [0, 0]'
 shot shown.png
 same shown.png all_parts.png 0.999
+xdotool key x # of no part
+wait_until '"No part is selected" in r["message"] and tools["marks"] == 0'
 # a section through the middle
 xdotool key k
-wait_until 'r["rests"] and tools["section_planes"] == 6'
+wait_until 'r["rests"] and tools["section_planes"] == 6 and "Section box on" in r["message"]'
 xdotool key k
 wait_until 'r["rests"] and tools["section_planes"] == 0'
 # a saved picture equals that of stipple render
@@ -133,8 +140,15 @@ wait_until 'r["rests"] and r["page"] == "none" and r["parts"] and 100 <= picture
 xdotool key h
 wait_until 'r["rests"] and r["help"]'
 shot small.png
-xdotool key Escape F6 Tab
-wait_until 'r["rests"] and not r["help"] and not r["panels"]'
+xdotool key Escape
+wait_until 'r["rests"] and not r["help"] and r["parts"]'
+keep
+drag 1 "$("$python" -S -E -c 'import json
+print(round(json.load(open("report.json"))["picture"]["area"][0]) + 2)')" 100 150 100 # the edge of the parts
+wait_until 'r["rests"] and abs(picture["area"][0] - 150) < 2 and picture["area"][0] != k["picture"]["area"][0]'
+check "the camera is not turned" 'camera["up"] == k["camera"]["up"]'
+xdotool key F6 Tab
+wait_until 'r["rests"] and not r["panels"]'
 xdotool windowsize "$window" "$width" "$height"
 wait_until 'r["rests"] and '"picture['width'] == $width and picture['height'] == $height"
 # a camera that was moved stays when the picture gets another shape

@@ -31,7 +31,12 @@ typedef struct explorer_row {
     bool open;
 } explorer_row;
 
-typedef enum explorer_how { EXPLORER_HIDDEN, EXPLORER_ISOLATED, EXPLORER_GHOST } explorer_how;
+typedef enum explorer_how {
+    EXPLORER_HIDDEN,
+    EXPLORER_ISOLATED,
+    EXPLORER_GHOST,
+    EXPLORER_FOCUSED, ///< all others are ghosts
+} explorer_how;
 
 /// A part with changed visibility.
 typedef struct explorer_mark {
@@ -114,7 +119,8 @@ bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box)
 /// Bounds of the selected part. @return false if nothing is selected or the part has no content
 bool explorer_chosen_box(explorer* e, stp_boxd* box);
 
-/// Hides, isolates or ghosts a part; shows it normally again if it already was so.
+/// Hides, isolates, ghosts or focuses a part; shows it normally again if it already was so. Only one
+/// part is isolated or focused at a time.
 void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how how);
 /// Whether a part or one of its ancestors is marked so.
 bool explorer_is_marked(const explorer* e, const stp_outline_item* item, explorer_how how);

@@ -134,6 +134,11 @@ void shot_begin(viewer* v);
 void shot_step(viewer* v); ///< reports finished pictures
 void shot_end(viewer* v);
 
+// selection.c
+/// Tints the selected part in the picture, also where something hides it.
+void selection_overlay(viewer* v);
+void selection_end(viewer* v);
+
 // overlay.c
 void overlay_show(viewer* v);
 /// Projects a point of the scene to window pixels. @return false if it is behind the eye

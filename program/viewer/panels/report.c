@@ -57,7 +57,8 @@ static json_t* describe_tools(const viewer* v)
     }
     stp_sections sections = section_make(v);
     return json_pack(
-        "{s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "chosen",
+        "{s:[I, I], s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "tinted",
+        (json_int_t)v->selection.mask.visible, (json_int_t)v->selection.mask.hidden, "chosen",
         describe_json_text(chosen), "search", describe_json_text(v->search), "rows",
         e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
         e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",

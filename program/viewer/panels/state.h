@@ -10,6 +10,7 @@
 #include "program/viewer/model/folder.h"
 #include "program/viewer/model/loader.h"
 #include "program/viewer/model/paint_thread.h"
+#include "program/viewer/model/part_mask.h"
 #include "program/viewer/model/path_list.h"
 #include "program/viewer/panels/viewer.h"
 #include "program/viewer/window/window.h"
@@ -71,7 +72,14 @@ typedef struct viewer_message {
 } viewer_message;
 
 /// The action of the pressed mouse button.
-typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK, DRAG_SECTION } drag_kind;
+typedef enum drag_kind {
+    DRAG_NONE,
+    DRAG_ORBIT,
+    DRAG_PAN,
+    DRAG_LOOK,
+    DRAG_SECTION,
+    DRAG_PARTS, ///< the edge of the panel of parts
+} drag_kind;
 
 typedef struct input_state {
     drag_kind drag;
@@ -125,6 +133,15 @@ typedef struct framing_state {
     stp_navigator framed;  ///< the camera that it gave
 } framing_state;
 
+/// The selected part in the picture.
+typedef struct selection_state {
+    stp_outline_item item; ///< what the shape is of
+    uint32_t scene;        ///< serial; 0: no shape
+    uint64_t frame;        ///< of the picture that the mask belongs to
+    part_shape shape;
+    part_mask mask;
+} selection_state;
+
 typedef struct shot shot;
 
 /// Widgets for the number of splats.
@@ -161,6 +178,7 @@ typedef struct viewer {
     double glide_start; ///< negative: no glide in progress
     bool has_camera;
     framing_state framing;
+    selection_state selection;
     input_state input;
     // parts, sections, measures, viewpoints
     stp_context* context; ///< the window's own
@@ -246,6 +264,10 @@ void input_destroy(viewer* v);
 viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
+/// Whether the edge of the panel of parts, which can be dragged, is at a position of the window.
+bool panels_edge(const viewer* v, float x, float y);
+/// Moves that edge.
+void panels_drag_edge(viewer* v, float x);
 
 // statistics_pages.c
 void page_statistics(viewer* v);

@@ -213,6 +213,7 @@ void page_quality(viewer* v)
         viewer_settings fresh = viewer_settings_default();
         fresh.page = s->page;
         fresh.parts = s->parts;
+        fresh.parts_width = s->parts_width;
         *s = fresh;
         v->look = (point_style){0};
     }

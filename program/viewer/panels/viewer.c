@@ -464,6 +464,7 @@ int viewer_run(const viewer_options* options)
         views_end(v);
         stp_context_destroy(v->context);
     }
+    selection_end(v);
     path_list_destroy(&v->inputs);
     path_list_destroy(&v->dropped);
     input_destroy(v);
