@@ -37,8 +37,10 @@ def measure(given, model, folder):
     """SSIM of each prefix; 0 while the directory is incomplete."""
     stored = build(model, folder)
     whole, part = folder / "whole.png", folder / "part.png"
-    look = ("--view", given.view, "--size", given.size)
-    kit.stipple("render", stored, "-o", whole, "--once", *look, threads=given.threads)  # as prefixes are drawn
+    look = ("--size", given.size)
+    drawn = kit.stipple("render", stored, "-o", whole, "--once", "--view", given.view, *look, threads=given.threads)  # as prefixes are drawn
+    camera = drawn["camera"]
+    look += tuple(f"--{key}={','.join(map(str, camera[key]))}" for key in ("eye", "target", "up")) + ("--fov", camera["fov"])
     bytes_of_file, grown = stored.stat().st_size, []
     for step in range(1, given.steps + 1):
         size = -(-bytes_of_file * step // given.steps)

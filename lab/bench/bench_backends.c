@@ -6,9 +6,11 @@
 // per view.
 #include "draw/draw_gl.h"
 #include "lab/bench/bench.h"
+#include "lab/measure/measured_views.h"
 #include "program/drawing/frame.h"
 #include "program/files/scene_file.h"
 #include "program/measure/image_compare.h"
+#include "select/camera.h"
 #include "select/sections.h"
 #include "select/visibility.h"
 
@@ -213,10 +215,10 @@ static stp_result compare_view(backends_bench* b, const char* name)
     stp_view view = {.width = b->processor.width, .height = b->processor.height};
     stp_quality quality = {.splat_size = 1.0f, .reference = true};
     frame_figures figures;
-    if (!tool_find_view(b->store, name, NULL, &view)) {
+    if (!measured_view(b->store, name, &view)) {
         return STP_OK;
     }
-    view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
+    view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : STP_CAMERA_PLACED_FOV;
     b->cpu.style = (stp_draw_style){0};
     stp_result result = frame_draw(&b->cpu, &view, &quality, &b->reference, &figures);
     if (b->table != NULL) {

@@ -4,6 +4,7 @@
 // budget, with both controllers on the same flight; with --memory data is loaded during drawing.
 #include "builder/build_scene.h"
 #include "lab/bench/bench.h"
+#include "lab/measure/measured_views.h"
 #include "lab/scenes/scenes.h"
 #include "lod/method.h"
 #include "program/drawing/draw_options.h"
@@ -157,8 +158,8 @@ static void list_views(frame_bench* b)
     }
     for (uint32_t i = 0; i < count; ++i) {
         stp_view view = {.width = b->image.width, .height = b->image.height};
-        if (tool_find_view(b->store, names[i], NULL, &view)) {
-            view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
+        if (measured_view(b->store, names[i], &view)) {
+            view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : STP_CAMERA_PLACED_FOV;
             b->names[b->view_count] = names[i];
             b->views[b->view_count++] = view;
         }

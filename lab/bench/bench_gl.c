@@ -7,10 +7,12 @@
 #include "draw/draw_gl.h"
 #include "lab/bench/bench.h"
 #include "lab/bench/memory_speed.h"
+#include "lab/measure/measured_views.h"
 #include "lab/scenes/scenes.h"
 #include "program/drawing/frame.h"
 #include "program/files/scene_file.h"
 #include "program/present/headless.h"
+#include "select/camera.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -181,10 +183,10 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
     }
     for (uint32_t v = 0; v < b->view_count; ++v) {
         stp_view view = {.width = size->width, .height = size->height};
-        if (!tool_find_view(b->store, b->names[v], NULL, &view)) {
+        if (!measured_view(b->store, b->names[v], &view)) {
             continue;
         }
-        view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
+        view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : STP_CAMERA_PLACED_FOV;
         view.eye_distance = size->stereo ? 0.064 / (unit > 0.0 ? unit : 1.0) : 0.0;
         for (int w = 0; w < WAYS; ++w) {
             frame_times times;

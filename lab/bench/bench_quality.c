@@ -7,10 +7,10 @@
 #include "builder/build_scene.h"
 #include "draw/draw.h"
 #include "lab/bench/bench.h"
+#include "lab/measure/measured_views.h"
 #include "lab/measure/surface_compare.h"
 #include "program/drawing/draw_options.h"
 #include "program/measure/image_compare.h"
-#include "select/camera.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -217,7 +217,8 @@ static bool make_view(const quality_run* run, const quality_series* series, uint
         name = NULL;
     }
     *view = (stp_view){.width = run->width, .height = run->height};
-    return name != NULL && stp_camera_frame(name, &directory->nodes[directory->root].bounds, view);
+    return name != NULL &&
+           measured_standard_view(name, &directory->nodes[directory->root].bounds, view);
 }
 
 static stp_result run_series(quality_run* run, const char* model, const quality_series* series,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "lab/measure/splat_pictures.h"
 
+#include "lab/measure/measured_views.h"
 #include "program/drawing/frame.h"
 #include "program/files/point_file.h"
 #include "program/options/tool.h"
-#include "select/camera.h"
+#include "select/visibility.h"
 
 enum { SAMPLES = 4 };
 
@@ -30,7 +31,7 @@ static stp_view find_view(const pair* p, int index, const char* name)
     const stp_store_directory* own = stp_store_get_directory(p->scenes[index]->store);
     stp_view view = {.width = p->size[0], .height = p->size[1]};
     stp_boxd box = stp_visible_bounds(p->scenes[1]->store, NULL);
-    (void)stp_camera_frame(name, &box, &view);
+    (void)measured_standard_view(name, &box, &view);
     view.eye = change_axes(original->up, own->up, view.eye);
     view.target = change_axes(original->up, own->up, view.target);
     view.up = change_axes(original->up, own->up, view.up);

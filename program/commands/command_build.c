@@ -5,6 +5,7 @@
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
+#include "program/options/model_axes.h"
 #include "program/options/program.h"
 #include "program/options/tool.h"
 #include "program/reports/reports.h"
@@ -17,7 +18,8 @@
 
 static struct {
     const char *output, *method, *columns;
-    int order, error, metric, up, unit;
+    int order, error, metric;
+    model_axes axes;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
     int progress, capture, levels;
@@ -25,8 +27,7 @@ static struct {
     uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
     bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
         leaf_neighbors_given, normal_neighbors_given;
-    bool json, error_given, color_threshold_given, threshold_given, up_given, unit_given, resume,
-        fresh;
+    bool json, error_given, color_threshold_given, threshold_given, resume, fresh;
 } args;
 
 static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
@@ -34,12 +35,8 @@ static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FA
                                              STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM};
 static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
-static const char* const up_names[] = {"x", "-x", "y", "-y", "z", "-z"};
-static const char up_axes[] = {'x', 'X', 'y', 'Y', 'z', 'Z'};
-static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
 static const char* const capture_names[] = {"splats", "triangles"};
 static const stp_tree_error errors[] = {STP_TREE_GEOMETRIC, STP_TREE_DIAMETER};
-static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
 
 static const option table[] = {
     {.name = "output",
@@ -54,17 +51,17 @@ static const option table[] = {
     {.name = "up",
      .type = OPTION_CHOICE,
      .argument = "AXIS",
-     .words = "x|-x|y|-y|z|-z",
+     .words = MODEL_UP_WORDS,
      .help = "up axis, if the input does not specify it",
-     .value = &args.up,
-     .given = &args.up_given,
+     .value = &args.axes.up,
+     .given = &args.axes.has_up,
      .group = "Input"},
     {.name = "unit",
      .type = OPTION_CHOICE,
-     .words = "m|mm|cm|in|ft|us-ft",
+     .words = MODEL_UNIT_WORDS,
      .help = "unit of length, if the input does not specify it",
-     .value = &args.unit,
-     .given = &args.unit_given},
+     .value = &args.axes.unit,
+     .given = &args.axes.has_unit},
     OPTION_COLUMNS(&args.columns),
     {.name = "method",
      .type = OPTION_TEXT,
@@ -311,11 +308,11 @@ static char* parameters_json(void)
         (void)json_object_set_new(json, "color_threshold",
                                   json_integer((json_int_t)args.color_threshold));
     }
-    if (args.up_given) {
-        (void)json_object_set_new(json, "up", json_string(up_names[args.up]));
+    if (args.axes.has_up) {
+        (void)json_object_set_new(json, "up", json_string(model_up_names[args.axes.up]));
     }
-    if (args.unit_given) {
-        (void)json_object_set_new(json, "unit", json_string(unit_names[args.unit]));
+    if (args.axes.has_unit) {
+        (void)json_object_set_new(json, "unit", json_string(model_unit_names[args.axes.unit]));
     }
     if (args.columns != NULL) {
         (void)json_object_set_new(json, "columns", json_string(args.columns));
@@ -333,8 +330,8 @@ static int build(stp_context* context, int argc, char** argv)
         .input_count = (size_t)argc,
         .generate = program_make_scene,
         .output = args.output,
-        .import = {.up = args.up_given ? up_axes[args.up] : '\0',
-                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0,
+        .import = {.up = model_axes_up(&args.axes),
+                   .unit_metres = model_axes_unit(&args.axes),
                    .columns = args.columns},
         .blue = {.capture = {.direction_count = (uint32_t)args.directions,
                              .resolution = (uint32_t)args.resolution},

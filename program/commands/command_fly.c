@@ -3,6 +3,7 @@
 // stipple fly: draws a camera flight through a scene, without a window.
 #include "program/drawing/drawing.h"
 #include "program/drawing/flight_report.h"
+#include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/options/tool.h"
 #include "program/present/canvas.h"
@@ -15,6 +16,7 @@ static struct {
     uint64_t frames, reference_every;
     bool popping;
     draw_options draw;
+    model_axes axes;
 } args;
 
 static const option* options(void)
@@ -57,6 +59,8 @@ static const option* options(void)
                  "show",
          .value = &args.popping,
          .rare = true},
+        OPTION_MODEL_UP("model-up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         {0},
     };
     static option table[OPTION_TABLE_ROOM];
@@ -219,6 +223,7 @@ static int check_arguments(int argc, const char* file)
 static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
+    code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
     if (code != 0) {
         return code;
     }

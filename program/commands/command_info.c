@@ -3,6 +3,7 @@
 // stipple info: describes the content of a .stip file or a model.
 #include "base/io/file.h"
 #include "builder/writer_input.h"
+#include "import/reading/import.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/reports/describe.h"
@@ -14,7 +15,8 @@
 static struct {
     uint64_t memory;
     const char *find, *columns;
-    bool json;
+    model_axes axes;
+    bool json, formats;
 } args;
 
 static const option* options(void)
@@ -27,7 +29,12 @@ static const option* options(void)
          .value = &args.find},
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
+        {.name = "formats",
+         .help = "list the formats of models with their suffixes; takes no FILE",
+         .value = &args.formats},
         OPTION_COLUMNS(&args.columns),
+        OPTION_MODEL_UP("up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         {0},
     };
     return table;
@@ -133,12 +140,37 @@ static bool is_store(const char* path)
     return same || (length > 5 && strcmp(path + length - 5, ".stip") == 0);
 }
 
+/// Prints a line for each format: its name and its suffixes.
+static int print_formats(void)
+{
+    json_t* list = json_array();
+    const stp_importer* importer;
+    for (size_t i = 0; (importer = stp_import_listed(i)) != NULL; ++i) {
+        const char* suffixes = stp_importer_listed(importer);
+        (void)json_array_append_new(list,
+                                    json_pack("{s:s, s:s, s:s}", "format", importer->name, "title",
+                                              importer->title, "suffixes", suffixes));
+        if (!args.json) {
+            printf("%-16s%s\n", importer->title, suffixes);
+        }
+    }
+    if (args.json) {
+        return tool_print_json(json_pack("{s:o}", "formats", list));
+    }
+    json_decref(list);
+    return 0;
+}
+
 static int run(int argc, char** argv)
 {
+    if (args.formats) {
+        return argc == 0 ? print_formats() : tool_usage_error("--formats takes no file");
+    }
     if (argc != 1) {
         return tool_usage_error("info needs one file, but got %d", argc);
     }
     int usage = tool_take_columns(args.columns, argc, argv);
+    usage = usage == 0 ? tool_take_axes(&args.axes, argc, argv) : usage;
     if (usage != 0) {
         return usage;
     }
@@ -159,7 +191,7 @@ static int run(int argc, char** argv)
 
 const command command_info = {
     .name = "info",
-    .arguments = "FILE",
+    .arguments = "FILE | --formats",
     .summary = "describe the content of a .stip file or a model",
     .text =
         "Prints a table of the scene's parts: objects, levels of detail (nodes with splats), "
@@ -184,7 +216,9 @@ const command command_info = {
                 "Print it as JSON:\n"
                 "$ stipple info plant.stip --json\n"
                 "Find objects by name:\n"
-                "$ stipple info plant.stip --find pump\n",
+                "$ stipple info plant.stip --find pump\n"
+                "List the formats that can be read:\n"
+                "$ stipple info --formats\n",
     .files = "FILE\t"
              "a .stip file, or a model that is imported but not built\n",
     .options = options,

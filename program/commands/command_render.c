@@ -34,6 +34,7 @@ static struct {
     uint64_t accumulate;
     bool once;
     const char* pick;
+    model_axes axes;
     draw_options draw;
 } args;
 
@@ -52,7 +53,7 @@ static const option* options(void)
          .type = OPTION_TEXT,
          .argument = "NAME",
          .help = "view of the file, or front, back, left, right, top, bottom, iso, d0 to d25; "
-                 "default iso",
+                 "default iso; standard views fit what is visible",
          .value = &args.view,
          .group = "Camera"},
         {.name = "eye",
@@ -108,6 +109,8 @@ static const option* options(void)
          .group = "Output",
          .rare = true},
         OPTION_COLUMNS(&args.columns),
+        OPTION_MODEL_UP("model-up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         {0},
     };
     static option table[OPTION_TABLE_ROOM];
@@ -151,7 +154,8 @@ static uint32_t samples_of_picture(const session* s)
 static int find_view(session* s, const char* path, const char* name)
 {
     stp_view* view = &s->view;
-    if (tool_find_view(s->drawing.store, name, NULL, view)) {
+    const stp_farthest_store content = {s->drawing.context, s->drawing.store, NULL};
+    if (tool_find_view(&content, name, view)) {
         return 0;
     }
     stp_viewpoints viewpoints = {0};
@@ -183,8 +187,13 @@ static void place_eye(session* s, bool is_standard)
     if (args.has_up) {
         view->up = vector_of(args.up);
     }
+    if (is_standard && (args.has_eye || args.has_target) && !(args.draw.fov > 0.0)) {
+        view->fov_degrees = STP_CAMERA_PLACED_FOV;
+    }
     if (is_standard && !stp_boxd_is_empty(box)) {
-        stp_camera_fit(view, &box);
+        const stp_farthest_store content = {s->drawing.context, s->drawing.store,
+                                            s->quality.visibility};
+        stp_camera_fit_store(&content, NULL, view);
     }
     if (!args.has_eye && !args.has_target) {
         return;
@@ -217,7 +226,7 @@ static int choose_view(session* s, const char* path)
     }
     s->quality.visibility = s->drawing.show.visibility;
     place_eye(s, tool_is_standard_view(s->drawing.store, name));
-    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : STP_CAMERA_PLACED_FOV;
     return 0;
 }
 
@@ -279,6 +288,15 @@ static const char* name_drawn(const frame_figures* figures)
                                : "nothing";
 }
 
+/// The camera, as --eye, --target, --up, --fov and --ortho take it. @return NULL if memory runs out
+static json_t* describe_camera(const stp_view* view)
+{
+    const stp_vec3d *e = &view->eye, *t = &view->target, *u = &view->up;
+    return json_pack("{s:[f,f,f], s:[f,f,f], s:[f,f,f], s:f, s:f}", "eye", e->x, e->y, e->z,
+                     "target", t->x, t->y, t->z, "up", u->x, u->y, u->z, "fov", view->fov_degrees,
+                     "ortho", view->ortho_height);
+}
+
 /// Takes ownership of `picked`, which may be NULL. @return NULL if memory runs out
 static json_t* describe(const session* s, json_t* picked)
 {
@@ -290,6 +308,7 @@ static json_t* describe(const session* s, json_t* picked)
     json_t* samples = json_integer((json_int_t)samples_of_picture(s));
     json_t* frames = json_integer((json_int_t)frames_of_picture(s));
     json_t* kinds = json_string(name_drawn(&s->figures));
+    json_t* camera = describe_camera(&s->view);
     bool described = json_object_set_new(object, "resident_bytes", bytes) == 0;
     const char* method = draw_options_method(&args.draw, s->drawing.store);
     described = json_object_set_new(object, "method",
@@ -306,6 +325,7 @@ static json_t* describe(const session* s, json_t* picked)
     described =
         json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 && described;
     described = json_object_set_new(object, "drawn", kinds) == 0 && described;
+    described = json_object_set_new(object, "camera", camera) == 0 && described;
     if (!described || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
@@ -435,6 +455,7 @@ static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
     code = code == 0 ? tool_take_columns(args.columns, argc, argv) : code;
+    code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
     if (code != 0) {
         return code;
     }
@@ -484,7 +505,7 @@ const command command_render = {
         "the counts are medians of repeated single frames, without opening the file; if drawing "
         "takes two seconds or more, or with --once, they are those of the second frame, or of "
         "the first with --reference. samples (per pixel), accumulated_frames and picture_ms (the "
-        "time of all averaged frames) describe the written picture.",
+        "time of all averaged frames) describe the written picture. camera holds its camera.",
     .examples =
         "Draw a picture at full quality for its size:\n"
         "$ stipple render plant.stip -o plant.png\n"

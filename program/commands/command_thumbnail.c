@@ -6,6 +6,7 @@
 #include "lod/method.h"
 #include "program/drawing/draw_options.h"
 #include "program/drawing/frame.h"
+#include "program/drawing/scene_farthest.h"
 #include "program/drawing/view_splats.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
@@ -28,6 +29,7 @@ static struct {
     uint32_t size[2];
     uint8_t background[3];
     bool has_background, json;
+    model_axes axes;
 } args;
 
 static const option* options(void)
@@ -64,6 +66,8 @@ static const option* options(void)
                  "default none (transparent)",
          .value = args.background,
          .given = &args.has_background},
+        OPTION_MODEL_UP("model-up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
@@ -93,10 +97,11 @@ typedef struct thumbnail {
     stp_image image;
 } thumbnail;
 
-static void frame_box(thumbnail* t, const stp_boxd* box)
+/// Turns the view; it is not yet placed.
+static void face(thumbnail* t)
 {
     t->view.ortho_height = 1.0; // chooses the height that fits
-    (void)stp_camera_frame(args.view != NULL ? args.view : "iso", box, &t->view);
+    (void)stp_camera_face(args.view != NULL ? args.view : "iso", &t->view);
 }
 
 static uint64_t splats_wanted(void)
@@ -145,7 +150,8 @@ static stp_result open_model(thumbnail* t)
     bool large = any && root->triangle_count > max_triangles;
     t->is_cloud = any && root->triangle_count == 0;
     if (result == STP_OK && !large) {
-        frame_box(t, &root->bounds);
+        stp_farthest_graph graph = scene_farthest_graph(scene);
+        stp_camera_fit_content(t->context, &graph, &t->view);
         tool_hold_errors();
         result = view_splats_make(scene, &t->view, (uint32_t)splats_wanted(), &t->made);
         large = result == STP_ERROR_LIMIT;
@@ -162,11 +168,12 @@ static stp_result open_model(thumbnail* t)
 static stp_result open_any(thumbnail* t)
 {
     t->quality = (stp_quality){.splat_size = 1.0f};
+    face(t);
     stp_result result = tool_is_store_file(t->path) ? open_stored(t) : open_model(t);
     if (result == STP_OK && t->way != WAY_CAPTURED) {
         t->is_cloud = cloud_style_is_cloud(t->store);
-        stp_boxd box = stp_visible_bounds(t->store, NULL);
-        frame_box(t, &box);
+        const stp_farthest_store content = {t->context, t->store, NULL};
+        stp_camera_fit_store(&content, NULL, &t->view);
     }
     return result;
 }
@@ -278,6 +285,7 @@ static int check_arguments(int argc, const char* path)
 static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argc > 0 ? argv[0] : NULL);
+    code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
     if (code != 0) {
         return code;
     }

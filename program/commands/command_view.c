@@ -3,6 +3,7 @@
 // stipple view: opens a window to fly through a scene.
 #include "lod/method.h"
 #include "program/drawing/draw_options.h"
+#include "program/files/scene_file.h"
 #include "program/options/cloud_style.h"
 #include "program/options/command.h"
 #include "program/options/cue_names.h"
@@ -19,11 +20,12 @@ static struct {
     bool software, has_method, has_splats;
     uint64_t splats, threads, memory;
     point_color_options colors;
+    model_axes axes;
 } args;
 
 static const option* options(void)
 {
-    static option table[32];
+    static option table[36];
     static const option list[] = {
         {.name = "view",
          .type = OPTION_TEXT,
@@ -87,6 +89,8 @@ static const option* options(void)
          .value = &args.backend,
          .group = "Machine"},
         OPTION_GL_SPLATS(&args.gl_splats),
+        OPTION_MODEL_UP("up", &args.axes),
+        OPTION_MODEL_UNIT(&args.axes),
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         {0},
@@ -100,9 +104,6 @@ static const option* options(void)
 
 static int run(int argc, char** argv)
 {
-    if (argc > 1) {
-        return tool_usage_error("view shows one file, but got %d", argc);
-    }
     if (args.has_splats && args.budget_ms > 0.0) {
         return tool_usage_error("--budget-ms and --splats exclude each other");
     }
@@ -114,6 +115,10 @@ static int run(int argc, char** argv)
     if (code != 0) {
         return code;
     }
+    code = tool_take_axes(&args.axes, argc, argv);
+    if (code != 0) {
+        return code;
+    }
     cloud_point_size size = {0};
     if (args.point_size != NULL && !cloud_style_read_size(args.point_size, &size)) {
         return cloud_style_refuse_size(args.point_size);
@@ -121,7 +126,10 @@ static int run(int argc, char** argv)
     viewer_options o = {.colors = args.colors,
                         .point_size = size,
                         .has_point_size = args.point_size != NULL,
-                        .file = argc == 1 ? argv[0] : NULL,
+                        .files = (const char* const*)argv,
+                        .file_count = (size_t)argc,
+                        .up = model_axes_up(&args.axes),
+                        .unit_metres = model_axes_unit(&args.axes),
                         .view = args.view,
                         .width = args.size[0] != 0 ? args.size[0] : 1280,
                         .height = args.size[1] != 0 ? args.size[1] : 720,
@@ -141,11 +149,12 @@ static int run(int argc, char** argv)
 
 const command command_view = {
     .name = "view",
-    .arguments = "[FILE]",
+    .arguments = "[FILE...]",
     .summary = "explore a scene in a window",
     .text =
         "Opens a window with a .stip file or a model; without FILE, an empty window onto which "
-        "files can be dropped. A model is built into the cache in the background, as by render: "
+        "files can be dropped. Several models, or a folder of models, are one scene. A model is "
+        "built into the cache in the background, as by render: "
         "its triangles appear as soon as they are read, its splats as soon as they are made.\n\n"
         "While the camera moves, the splat size follows the frame-time limit; at rest, the "
         "picture is refined to full quality. Press H for keys and mouse; docs/viewer.md explains "
@@ -154,6 +163,10 @@ const command command_view = {
         "Without a display, use stipple render for pictures and stipple fly for films.",
     .examples = "Open a file or a model:\n"
                 "$ stipple view plant.stip\n"
+                "Show the tiles of a scan together:\n"
+                "$ stipple view north.laz south.laz\n"
+                "Turn a model whose file says y up:\n"
+                "$ stipple view plant.glb --up z\n"
                 "Show the window without OpenGL:\n"
                 "$ stipple view plant.stip --software-window\n",
     .files = "$XDG_CONFIG_HOME/stipple/viewer.json\tsettings; ~/.config/stipple if the variable "

@@ -34,7 +34,9 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .type = OPTION_NUMBER,
          .argument = "DEG",
          .words = "0.001..179.9",
-         .help = "vertical field of view; default that of the view, or 60",
+         .help =
+             "vertical field of view; default that of the view; of standard views 40, with --eye "
+             "or --target 60",
          .value = &o->fov,
          .group = "Camera",
          .rare = true},

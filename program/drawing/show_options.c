@@ -84,7 +84,8 @@ static stp_vec3d axis_vector(int axis, double length)
 }
 
 /// @return false if the text is not a plane or there is no room
-static bool add_plane(const char* text, const stp_boxd* box, stp_sections* sections)
+static bool add_plane(const char* text, const stp_boxd* box, double rounding,
+                      stp_sections* sections)
 {
     double numbers[4];
     bool percent[4];
@@ -95,6 +96,9 @@ static bool add_plane(const char* text, const stp_boxd* box, stp_sections* secti
         }
         int k = *axis - 'x';
         double at = place_of(numbers[0], percent[0], box, k);
+        if (percent[0] && (numbers[0] <= 0.0 || numbers[0] >= 100.0)) { // beyond what lies there
+            at += numbers[0] <= 0.0 ? -rounding : rounding;
+        }
         return stp_sections_add_plane(sections, axis_vector(k, at),
                                       axis_vector(k, *text == '-' ? -1.0 : 1.0));
     }
@@ -108,7 +112,8 @@ static bool add_plane(const char* text, const stp_boxd* box, stp_sections* secti
            stp_sections_add_plane(sections, stp_scaled(normal, numbers[3] / square), normal);
 }
 
-static bool add_box(const char* text, const stp_boxd* scene, stp_sections* sections)
+static bool add_box(const char* text, const stp_boxd* scene, double rounding,
+                    stp_sections* sections)
 {
     double n[6];
     bool percent[6];
@@ -121,21 +126,23 @@ static bool add_box(const char* text, const stp_boxd* scene, stp_sections* secti
                                        place_of(n[i + 1], percent[i + 1], scene, 1),
                                        place_of(n[i + 2], percent[i + 2], scene, 2)});
     }
-    return stp_sections_add_box(sections, &box);
+    return stp_sections_add_box(sections, &box, rounding);
 }
 
+/// @param rounding how far content may lie outside `box`, the bounds of the scene
 /// @return 0, or 2 (message printed)
-static int add_sections(const show_options* o, const stp_boxd* box, stp_sections* sections)
+static int add_sections(const show_options* o, const stp_boxd* box, double rounding,
+                        stp_sections* sections)
 {
     for (uint32_t i = 0; i < o->sections.count; ++i) {
-        if (!add_plane(o->sections.texts[i], box, sections)) {
+        if (!add_plane(o->sections.texts[i], box, rounding, sections)) {
             return tool_usage_error("--section must be AXIS:AT (x:2.5, -z:50%%) or A,B,C,D, with "
                                     "at most %d planes including those of boxes, not %s",
                                     STP_SECTION_PLANES, o->sections.texts[i]);
         }
     }
     for (uint32_t i = 0; i < o->boxes.count; ++i) {
-        if (!add_box(o->boxes.texts[i], box, sections)) {
+        if (!add_box(o->boxes.texts[i], box, rounding, sections)) {
             return tool_usage_error("--section-box must be X,Y,Z,X,Y,Z, each a number or a "
                                     "percentage, with at most %d planes (six per box), not %s",
                                     STP_SECTION_PLANES, o->boxes.texts[i]);
@@ -148,7 +155,7 @@ int show_options_check(const show_options* o)
 {
     stp_sections sections = {0};
     stp_boxd box = {{0, 0, 0}, {1, 1, 1}};
-    return add_sections(o, &box, &sections);
+    return add_sections(o, &box, 0.0, &sections);
 }
 
 stp_result scene_show_outline(scene_show* show, stp_outline** outline)
@@ -225,7 +232,13 @@ int scene_show_apply(scene_show* show, const show_options* o, stp_view* view)
     const stp_store_directory* directory = stp_store_get_directory(show->store);
     stp_boxd box = directory->root != STP_STORE_NONE ? directory->nodes[directory->root].bounds
                                                      : (stp_boxd){{0, 0, 0}, {0, 0, 0}};
-    int code = add_sections(o, &box, &view->sections);
+    bool cuts = o->sections.count + o->boxes.count + view->sections.count > 0;
+    double size = stp_lengthd(stp_subd(box.max, box.min));
+    double rounding = cuts ? stp_bounds_rounding(show->context, show->store) : 0.0;
+    int code = add_sections(o, &box, rounding + 1e-6 * size, &view->sections);
+    if (code == 0 && cuts) {
+        stp_sections_drop_idle(&view->sections, &box, rounding);
+    }
     if (code != 0 || o->hide.count + o->isolate.count + o->ghost.count == 0) {
         return code;
     }
@@ -246,23 +259,25 @@ int scene_show_apply(scene_show* show, const show_options* o, stp_view* view)
 
 stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint)
 {
-    bool isolates = false;
+    bool isolates = false, focuses = false;
     if (viewpoint->object_count == 0) {
         return STP_OK;
     }
     stp_result result = make_visibility(show);
     for (size_t i = 0; i < viewpoint->object_count; ++i) {
         isolates = isolates || viewpoint->objects[i].as == STP_SHOWN_ISOLATED;
+        focuses = focuses || viewpoint->objects[i].as == STP_SHOWN_FOCUSED;
     }
-    if (result == STP_OK && isolates) {
-        stp_visibility_reset(show->visibility, STP_SHOW_NOT);
+    if (result == STP_OK && (isolates || focuses)) {
+        stp_visibility_reset(show->visibility, isolates ? STP_SHOW_NOT : STP_SHOW_GHOST);
     }
     for (int pass = 0; pass < 2; ++pass) { // isolates first, because objects within may be hidden
         for (size_t i = 0; i < viewpoint->object_count && result == STP_OK; ++i) {
             const stp_shown_object* object = &viewpoint->objects[i];
             stp_outline_item item;
             bool found = false;
-            if ((object->as == STP_SHOWN_ISOLATED) != (pass == 0)) {
+            bool alone = object->as == STP_SHOWN_ISOLATED || object->as == STP_SHOWN_FOCUSED;
+            if (alone != (pass == 0)) {
                 continue;
             }
             result =
@@ -274,9 +289,9 @@ stp_result scene_show_viewpoint(scene_show* show, const stp_viewpoint* viewpoint
             }
             if (result == STP_OK && found && item.node != STP_STORE_NONE) {
                 result = set_item(show, &item,
-                                  object->as == STP_SHOWN_ISOLATED ? STP_SHOW
-                                  : object->as == STP_SHOWN_GHOST  ? STP_SHOW_GHOST
-                                                                   : STP_SHOW_NOT);
+                                  alone                           ? STP_SHOW
+                                  : object->as == STP_SHOWN_GHOST ? STP_SHOW_GHOST
+                                                                  : STP_SHOW_NOT);
             }
         }
     }

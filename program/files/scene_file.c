@@ -117,15 +117,40 @@ static bool cache_folder(stp_context* context, char* folder, size_t size)
     return true;
 }
 
-/// Paths of a model's cached builds, by scene_use. `file` is NULL for a named scene, which is
-/// identified by name and settings. @return false, with the message logged
-static bool cache_paths(stp_context* context, const char* path, const stp_mapped_file* file,
-                        char out[SCENE_USES][PATH_MAX])
+/// Identity of a named scene: its name and settings.
+static void hash_named(const char* path, stp_hash* hash)
+{
+    const char* version = program_get()->scenes_version;
+    *hash = stp_hash_bytes(*hash, version, version != NULL ? strlen(version) : 0);
+    *hash = stp_hash_bytes(*hash, path, strlen(path));
+}
+
+static stp_result hash_inputs(stp_context* context, const scene_input* input, stp_hash* hash)
+{
+    for (size_t i = 0; i < input->count; ++i) {
+        stp_mapped_file file;
+        if (program_is_scene(input->paths[i])) {
+            hash_named(input->paths[i], hash);
+            continue;
+        }
+        stp_result result = stp_file_map(context, input->paths[i], &file);
+        if (result != STP_OK) {
+            return result;
+        }
+        hash_model(input->paths[i], &file, hash);
+        stp_file_unmap(&file);
+    }
+    return STP_OK;
+}
+
+/// Paths of the cached builds of an input, by scene_use. @return STP_OK, or a failure, logged
+static stp_result cache_paths(stp_context* context, const scene_input* input,
+                              char out[SCENE_USES][PATH_MAX])
 {
     static const char* const endings[SCENE_USES] = {"-methods", "", "-picture", "-originals"};
     char folder[PATH_MAX - 64];
     if (!cache_folder(context, folder, sizeof(folder))) {
-        return false;
+        return STP_ERROR_IO;
     }
     stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
     hash = stp_hash_bytes(hash, parameters, strlen(parameters));
@@ -133,18 +158,16 @@ static bool cache_paths(stp_context* context, const char* path, const stp_mapped
     if (columns != NULL) {
         hash = stp_hash_bytes(hash, columns, strlen(columns));
     }
-    if (file != NULL) {
-        hash_model(path, file, &hash);
-    } else {
-        const char* version = program_get()->scenes_version;
-        hash = stp_hash_bytes(hash, version, version != NULL ? strlen(version) : 0);
-        hash = stp_hash_bytes(hash, path, strlen(path));
+    if (input->up != 0 || input->unit_metres > 0.0) {
+        hash = stp_hash_bytes(hash, &input->up, sizeof(input->up));
+        hash = stp_hash_bytes(hash, &input->unit_metres, sizeof(input->unit_metres));
     }
+    stp_result result = hash_inputs(context, input, &hash);
     for (int i = 0; i < SCENE_USES; ++i) {
         snprintf(out[i], PATH_MAX, "%s/%016llx%016llx%s.stip", folder,
                  (unsigned long long)hash.high, (unsigned long long)hash.low, endings[i]);
     }
-    return true;
+    return result;
 }
 
 /// Whether the cache holds a complete file. A separate context hides messages about damage: a
@@ -218,17 +241,25 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
     }
 }
 
+static stp_import_desc import_desc(const scene_input* input)
+{
+    return (stp_import_desc){.columns = tool_settings_get()->columns,
+                             .up = input->up,
+                             .unit_metres = input->unit_metres,
+                             .corrects = true};
+}
+
 /// Builds into the cache. `located` receives the path.
-static stp_result build_cached(stp_context* context, const char* path, wish* w,
+static stp_result build_cached(stp_context* context, const scene_input* input, wish* w,
                                char cached[SCENE_USES][PATH_MAX], char* located)
 {
     scene_use use = w->use;
     decision d = {.use = use};
-    stp_build_desc desc = {.inputs = &path,
-                           .input_count = 1,
+    stp_build_desc desc = {.inputs = input->paths,
+                           .input_count = input->count,
                            .output = cached[use],
                            .generate = program_make_scene,
-                           .import = {.columns = tool_settings_get()->columns},
+                           .import = import_desc(input),
                            .wants_splats = decide_splats,
                            .wants_splats_user = &d,
                            .parameters_json = parameters};
@@ -258,26 +289,23 @@ scene_use scene_use_of_method(uint32_t id)
     return method != NULL && method->make != NULL ? SCENE_FOR_METHODS : SCENE_FOR_SPLATS;
 }
 
-static stp_result locate(stp_context* context, const char* path, wish* w, char* located)
+static stp_result locate(stp_context* context, const scene_input* input, wish* w, char* located)
 {
     char cached[SCENE_USES][PATH_MAX];
-    bool built = false, known;
+    const char* path = input->paths[0];
     assert((int)w->use < SCENE_USES && "each use has a path");
-    if (program_is_scene(path)) {
-        known = cache_paths(context, path, NULL, cached);
-    } else {
+    if (input->count == 1 && !program_is_scene(path) && tool_is_store_file(path)) {
         stp_mapped_file file;
         stp_result mapped = stp_file_map(context, path, &file);
-        if (mapped != STP_OK) {
-            return mapped;
+        if (mapped == STP_OK) {
+            snprintf(located, PATH_MAX, "%s", path);
+            stp_file_unmap(&file);
         }
-        built = tool_is_store_file(path);
-        known = built || cache_paths(context, path, &file, cached);
-        stp_file_unmap(&file);
+        return mapped;
     }
-    if (built || !known) {
-        snprintf(located, PATH_MAX, "%s", path);
-        return built ? STP_OK : STP_ERROR_IO;
+    stp_result known = cache_paths(context, input, cached);
+    if (known != STP_OK) {
+        return known;
     }
     for (int i = 0; i <= (int)w->use; ++i) { // a more complete build serves as well
         if (is_cached(cached[i])) {
@@ -289,20 +317,22 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
             return STP_OK;
         }
     }
-    return build_cached(context, path, w, cached, located);
+    return build_cached(context, input, w, cached, located);
 }
 
 // Path of the .stip to open; builds it if needed. `located` has room for PATH_MAX bytes.
 static stp_result locate_scene(stp_context* context, const char* path, scene_use use, char* located)
 {
-    return locate(context, path, &(wish){.use = use}, located);
+    const tool_settings* s = tool_settings_get();
+    const scene_input input = {&path, 1, s->up, s->unit_metres};
+    return locate(context, &input, &(wish){.use = use}, located);
 }
 
-stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
+stp_result tool_locate_watched(stp_context* context, const scene_input* input, scene_use use,
                                const scene_watcher* watcher, char* located, char* draft)
 {
     wish w = {.use = use, .watcher = watcher, .draft = draft};
-    stp_result result = locate(context, path, &w, located);
+    stp_result result = locate(context, input, &w, located);
     if (!w.drafted) { // an existing file may belong to another process
         draft[0] = '\0';
     }
@@ -360,6 +390,23 @@ int tool_take_columns(const char* names, int input_count, char** inputs)
     return 0;
 }
 
+int tool_take_axes(const model_axes* axes, int input_count, char** inputs)
+{
+    bool any = axes->has_up || axes->has_unit;
+    for (int i = 0; any && i < input_count; ++i) {
+        if (program_is_scene(inputs[i])) {
+            return tool_usage_error("the axes and the unit of %s are fixed", inputs[i]);
+        }
+        if (tool_is_store_file(inputs[i])) {
+            return tool_usage_error("%s is built; its up axis and unit are options of build",
+                                    inputs[i]);
+        }
+    }
+    tool_settings_get()->up = model_axes_up(axes);
+    tool_settings_get()->unit_metres = model_axes_unit(axes);
+    return 0;
+}
+
 stp_result tool_import_scene(stp_context* context, const char* path, stp_scene** scene)
 {
     return tool_import_spilled(context, path, NULL, scene);
@@ -368,7 +415,10 @@ stp_result tool_import_scene(stp_context* context, const char* path, stp_scene**
 static stp_result import_scene(stp_context* context, const char* path, stp_spill* spill,
                                stp_scan_info* scan, stp_scene** scene)
 {
-    stp_import_desc desc = {.columns = tool_settings_get()->columns, .scan = scan};
+    const tool_settings* s = tool_settings_get();
+    const scene_input input = {&path, 1, s->up, s->unit_metres};
+    stp_import_desc desc = import_desc(&input);
+    desc.scan = scan;
     stp_result result = stp_scene_create(context, scene);
     if (result != STP_OK) {
         return result;
@@ -418,17 +468,27 @@ bool tool_is_standard_view(const stp_store* store, const char* name)
     return find_stored_view(store, name) == NULL && stp_camera_is_standard(name);
 }
 
-bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
-                    stp_view* view)
+bool tool_find_stored_view(const stp_store* store, const char* name, stp_view* view)
 {
     const stp_store_view* stored = find_stored_view(store, name);
-    if (stored != NULL) {
-        view->eye = stored->eye;
-        view->target = stored->target;
-        view->up = stored->up;
-        view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+    if (stored == NULL) {
+        return false;
+    }
+    view->eye = stored->eye;
+    view->target = stored->target;
+    view->up = stored->up;
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+    return true;
+}
+
+bool tool_find_view(const stp_farthest_store* content, const char* name, stp_view* view)
+{
+    if (tool_find_stored_view(content->store, name, view)) {
         return true;
     }
-    stp_boxd box = stp_visible_bounds(store, visibility);
-    return stp_camera_frame(name, &box, view);
+    if (!stp_camera_face(name, view)) {
+        return false;
+    }
+    stp_camera_fit_store(content, NULL, view);
+    return true;
 }

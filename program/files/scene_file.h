@@ -7,8 +7,9 @@
 #include "base/io/hash.h"
 #include "import/reading/scan_info.h"
 #include "program/options/command.h"
+#include "program/options/model_axes.h"
 #include "scene/scene.h"
-#include "select/visibility.h"
+#include "select/farthest.h"
 #include "store/file/store.h"
 
 #include <stipple/view.h>
@@ -43,6 +44,14 @@ STP_MUST_USE stp_result tool_open_partial_scene(stp_context* context, const char
                                                 scene_use use, const option_partial_file* part,
                                                 stp_store** store);
 
+/// What is shown: a .stip, or models that make one scene.
+typedef struct scene_input {
+    const char* const* paths;
+    size_t count;       ///< at least 1
+    char up;            ///< corrects the up axis of models (stp_import_desc.up); 0: as in the files
+    double unit_metres; ///< corrects their unit; 0: as in the files
+} scene_input;
+
 /// Callbacks while a model is built.
 typedef struct scene_watcher {
     /// Reports a .stip that can be shown in the meantime: an earlier build without splats, or a
@@ -51,17 +60,21 @@ typedef struct scene_watcher {
     void* user;
 } scene_watcher;
 
-/// Path of the .stip that tool_open_scene_for would open for SCENE_FOR_METHODS or SCENE_FOR_SPLATS;
+/// Path of the .stip that shows an input, as tool_open_scene_for would open it for SCENE_FOR_METHODS or SCENE_FOR_SPLATS;
 /// builds it if needed. `located` and `draft` have room for PATH_MAX bytes. `draft` receives the
 /// path of drafts, which the caller removes; empty if there are none. @return as
 /// tool_open_scene_for; STP_ERROR_BUSY (logged) if another process builds the same
-STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
-                                            const scene_watcher* watcher, char* located,
-                                            char* draft);
+STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const scene_input* input,
+                                            scene_use use, const scene_watcher* watcher,
+                                            char* located, char* draft);
 
 /// Sets --columns for all models imported or built from now on; NULL is allowed. @return 0, or the
 /// code of a usage error if the list is invalid or applies to none of the inputs
 int tool_take_columns(const char* names, int input_count, char** inputs);
+
+/// Corrects the up axis and the unit of all models imported or built from now on. @return 0, or the
+/// code of a usage error if the inputs are not models
+int tool_take_axes(const model_axes* axes, int input_count, char** inputs);
 
 /// Imports a model or makes a named scene (scene:NAME), and finishes it. The caller destroys it
 /// with stp_scene_destroy; NULL on failure, which is logged.
@@ -77,13 +90,14 @@ STP_MUST_USE stp_result tool_import_spilled(stp_context* context, const char* pa
 STP_MUST_USE stp_result tool_import_described(stp_context* context, const char* path,
                                               stp_scan_info* scan, stp_scene** scene);
 
-/// Sets eye, target and up of `view` from a named view of the file or a standard view, and the
-/// field of view if the named view is a camera with one and `view->fov_degrees` is 0. Standard
-/// views fit the visible content, given by `visibility` (NULL: everything) and the view's sections;
-/// they use width, height, fov, eye_distance and ortho_height. @return false if no view has that
-/// name
-bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
-                    stp_view* view);
+/// Sets eye, target and up of `view` from a named view of the file, and the field of view if that
+/// is a camera with one and `view->fov_degrees` is 0. @return false if the file has no such view
+bool tool_find_stored_view(const stp_store* store, const char* name, stp_view* view);
+
+/// The same for a named view of the file or a standard view. Standard views fit the visible content
+/// without what the view's sections cut away; they use width, height, fov (0: STP_CAMERA_FOV),
+/// eye_distance and ortho_height. @return false if no view has that name
+bool tool_find_view(const stp_farthest_store* content, const char* name, stp_view* view);
 
 /// Whether a name is that of a standard view.
 bool tool_is_standard_view(const stp_store* store, const char* name);

@@ -16,6 +16,8 @@ typedef struct tool_settings {
     const char* command;           ///< the command that runs; NULL: none yet
     char** arguments;              ///< those of the process, as they were given
     const char* columns;           ///< stp_import_desc.columns for imported models; NULL: not given
+    char up;            ///< corrects the up axis of models (stp_import_desc.up); 0: not given
+    double unit_metres; ///< corrects the unit of models; 0: not given
 } tool_settings;
 
 tool_settings* tool_settings_get(void);

@@ -53,7 +53,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
     stp_boxd box = stp_boxd_is_empty(*scene) ? unit : *scene;
     double size = stp_lengthd(stp_subd(box.max, box.min));
     size = size > 0.0 ? size : 1.0;
-    *n = (stp_navigator){.fov_degrees = 60.0,
+    *n = (stp_navigator){.fov_degrees = STP_CAMERA_FOV,
                          .speed = 1.0,
                          .min_reach = 1e-7 * size,
                          .max_reach = 1e3 * size,
@@ -235,11 +235,9 @@ void stp_navigator_change_speed(stp_navigator* n, double steps)
     n->speed = stp_clampd(n->speed * pow(speed_step, steps), speed_min, speed_max);
 }
 
-void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
+/// The view of the camera, to be fitted.
+static stp_view unfitted_view(const stp_navigator* n, const stp_sections* sections)
 {
-    if (stp_boxd_is_empty(*box)) {
-        return;
-    }
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_view view = {.eye = axes.back,
                      .up = axes.up,
@@ -248,26 +246,46 @@ void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sectio
                      .fov_degrees = n->fov_degrees,
                      .ortho_height = n->ortho_height};
     view.sections = sections != NULL ? *sections : view.sections;
-    stp_camera_fit(&view, box);
-    double distance = stp_lengthd(stp_subd(view.eye, view.target));
+    return view;
+}
+
+static void take_fitted(stp_navigator* n, const stp_view* view, stp_vec3d pivot)
+{
+    double distance = stp_lengthd(stp_subd(view->eye, view->target));
     if (n->ortho_height > 0.0) {
-        n->ortho_height = stp_clampd(view.ortho_height, n->min_reach, n->max_reach);
+        n->ortho_height = stp_clampd(view->ortho_height, n->min_reach, n->max_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);
     }
     distance = stp_clampd(distance, n->min_reach, n->max_reach);
-    n->eye = stp_addd(view.target, stp_scaled(axes.back, distance));
+    n->eye = stp_addd(view->target, stp_scaled(stp_navigator_get_axes(n).back, distance));
     n->reach = distance;
-    n->pivot = stp_scaled(stp_addd(box->min, box->max), 0.5);
+    n->pivot = pivot;
     n->pivot_chosen = false;
 }
 
-bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
-                        const stp_sections* sections)
+void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
 {
-    // directions of standard views do not depend on the box
-    stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
-    stp_view view = {.width = 1, .height = 1, .fov_degrees = 60.0};
-    if (!stp_camera_frame(name, &unit, &view)) {
+    if (stp_boxd_is_empty(*box)) {
+        return;
+    }
+    stp_view view = unfitted_view(n, sections);
+    stp_camera_fit(&view, box);
+    take_fitted(n, &view, stp_scaled(stp_addd(box->min, box->max), 0.5));
+}
+
+void stp_navigator_frame_content(stp_navigator* n, const stp_farthest_store* content,
+                                 const stp_placed_node* placed, stp_vec3d pivot,
+                                 const stp_sections* sections)
+{
+    stp_view view = unfitted_view(n, sections);
+    stp_camera_fit_store(content, placed, &view);
+    take_fitted(n, &view, pivot);
+}
+
+bool stp_navigator_turn_to(stp_navigator* n, const char* name)
+{
+    stp_view view = {.fov_degrees = n->fov_degrees};
+    if (!stp_camera_face(name, &view)) {
         return false;
     }
     stp_navigator facing = *n;
@@ -275,6 +293,16 @@ bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
     n->azimuth = facing.azimuth;
     n->elevation = facing.elevation;
     n->roll = facing.roll;
+    return true;
+}
+
+bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
+                        const stp_sections* sections)
+{
+    stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
+    if (!stp_navigator_turn_to(n, name)) {
+        return false;
+    }
     stp_navigator_frame(n, stp_boxd_is_empty(*box) ? &unit : box, sections);
     return true;
 }

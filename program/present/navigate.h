@@ -9,7 +9,7 @@
 // standard views (select/camera.h).
 #pragma once
 
-#include "base/math/math.h"
+#include "select/farthest.h"
 
 #include <stipple/view.h>
 
@@ -75,6 +75,12 @@ void stp_navigator_change_speed(stp_navigator* n, double steps);
 /// Moves, without turning, so that the box clipped by `sections` (NULL: none) fits the picture
 /// (stp_camera_fit). The pivot becomes the centre of the box.
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections);
+/// The same for the visible content of a file; `placed`: of this object only, or NULL.
+void stp_navigator_frame_content(stp_navigator* n, const stp_farthest_store* content,
+                                 const stp_placed_node* placed, stp_vec3d pivot,
+                                 const stp_sections* sections);
+/// Turns to a standard view without moving. @return false if no standard view has that name
+bool stp_navigator_turn_to(stp_navigator* n, const char* name);
 /// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard
 /// view has that name
 bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,

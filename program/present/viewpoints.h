@@ -16,7 +16,13 @@ typedef struct stp_annotation {
     char* object;    ///< path of the annotated object; NULL: none
 } stp_annotation;
 
-typedef enum stp_shown_as { STP_SHOWN_HIDDEN, STP_SHOWN_ISOLATED, STP_SHOWN_GHOST } stp_shown_as;
+typedef enum stp_shown_as {
+    STP_SHOWN_HIDDEN,
+    STP_SHOWN_ISOLATED,
+    STP_SHOWN_GHOST,
+    STP_SHOWN_FOCUSED, ///< all others are ghosts
+    STP_SHOWN_KINDS,
+} stp_shown_as;
 
 /// An object that is not shown as usual, identified by its path and position.
 typedef struct stp_shown_object {

@@ -15,7 +15,7 @@ STP_MUST_USE stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints*
                                            stp_viewpoint* added);
 
 /// The lists of objects in the file, by stp_shown_as.
-static const char* const stp_viewpoint_lists[] = {"hidden", "isolated", "ghosts"};
+static const char* const stp_viewpoint_lists[] = {"hidden", "isolated", "ghosts", "focused"};
 
 // Parses JSON of files that people may write by hand (jansson), within the memory limit.
 

@@ -116,12 +116,12 @@ static stp_result read_objects(const reader* r, const json_t* from, stp_shown_as
 static stp_result read_all_objects(const reader* r, const json_t* from, stp_viewpoint* view)
 {
     size_t count = 1;
-    for (int as = 0; as <= STP_SHOWN_GHOST; ++as) {
+    for (int as = 0; as < STP_SHOWN_KINDS; ++as) {
         count += json_array_size(json_object_get(from, stp_viewpoint_lists[as]));
     }
     view->objects = STP_NEW_ARRAY(r->context, stp_shown_object, count);
     stp_result result = view->objects != NULL ? STP_OK : stp_fail_memory(r->context);
-    for (int as = 0; as <= STP_SHOWN_GHOST && result == STP_OK; ++as) {
+    for (int as = 0; as < STP_SHOWN_KINDS && result == STP_OK; ++as) {
         result = read_objects(r, from, (stp_shown_as)as, view);
     }
     assert((result != STP_OK || view->object_count + 1 == count) && "all lists fit");

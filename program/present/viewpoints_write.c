@@ -104,7 +104,7 @@ static json_t* pack_view(const stp_viewpoint* view)
         good = json_object_set_new(json, "ortho_height", json_real(view->ortho_height)) == 0;
     }
     good = good && set_list(json, "sections", pack_sections(&view->sections));
-    for (int as = 0; good && as <= STP_SHOWN_GHOST; ++as) {
+    for (int as = 0; good && as < STP_SHOWN_KINDS; ++as) {
         good = set_list(json, stp_viewpoint_lists[as], pack_objects(view, (stp_shown_as)as));
     }
     good = good && set_list(json, "annotations", pack_annotations(view));

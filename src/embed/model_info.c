@@ -178,9 +178,15 @@ stp_result stp_model_get_view(const stp_model* model, const char* name, stp_view
         return STP_OK;
     }
     name = name != NULL ? name : "iso";
-    if (!stp_camera_frame(name, &model->summary.bounds, view)) {
+    if (!stp_camera_face(name, view)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "view %s: is neither a view of the file nor a standard one", name);
+    }
+    const stp_farthest_store content = {model->context, model->store, NULL};
+    if (model->residency != NULL) { // which data is loaded must not matter
+        stp_camera_fit(view, &model->summary.bounds);
+    } else {
+        stp_camera_fit_store(&content, NULL, view);
     }
     return STP_OK;
 }

@@ -24,22 +24,22 @@ typedef struct standard_view {
 } standard_view;
 
 static const standard_view views[] = {
-    {"front", {0, 0, 1}, {0, 1, 0}},   {"back", {0, 0, -1}, {0, 1, 0}},
-    {"left", {-1, 0, 0}, {0, 1, 0}},   {"right", {1, 0, 0}, {0, 1, 0}},
-    {"top", {0, 1, 0}, {0, 0, -1}},    {"bottom", {0, -1, 0}, {0, 0, 1}},
-    {"iso", {1, 0.8, 1.2}, {0, 1, 0}}, {"d0", {A, B, C}, {0, 1, 0}},
-    {"d1", {A, -B, -C}, {0, 1, 0}},    {"d2", {-A, B, -C}, {0, 1, 0}},
-    {"d3", {-A, -B, C}, {0, 1, 0}},    {"d4", {B, C, A}, {0, 1, 0}},
-    {"d5", {B, -C, -A}, {0, 1, 0}},    {"d6", {-B, C, -A}, {0, 1, 0}},
-    {"d7", {-B, -C, A}, {0, 1, 0}},    {"d8", {C, A, B}, {0, 1, 0}},
-    {"d9", {C, -A, -B}, {0, 1, 0}},    {"d10", {-C, A, -B}, {0, 1, 0}},
-    {"d11", {-C, -A, B}, {0, 1, 0}},   {"d12", {B, A, -C}, {0, 1, 0}},
-    {"d13", {B, -A, C}, {0, 1, 0}},    {"d14", {-B, A, C}, {0, 1, 0}},
-    {"d15", {-B, -A, -C}, {0, 1, 0}},  {"d16", {A, C, -B}, {0, 1, 0}},
-    {"d17", {A, -C, B}, {0, 1, 0}},    {"d18", {-A, C, B}, {0, 1, 0}},
-    {"d19", {-A, -C, -B}, {0, 1, 0}},  {"d20", {C, B, -A}, {0, 1, 0}},
-    {"d21", {C, -B, A}, {0, 1, 0}},    {"d22", {-C, B, A}, {0, 1, 0}},
-    {"d23", {-C, -B, -A}, {0, 1, 0}},  {"d24", {B, A, C}, {0, 1, 0}},
+    {"front", {0, 0, 1}, {0, 1, 0}},  {"back", {0, 0, -1}, {0, 1, 0}},
+    {"left", {-1, 0, 0}, {0, 1, 0}},  {"right", {1, 0, 0}, {0, 1, 0}},
+    {"top", {0, 1, 0}, {0, 0, -1}},   {"bottom", {0, -1, 0}, {0, 0, 1}},
+    {"iso", {1, 1, 1}, {0, 1, 0}},    {"d0", {A, B, C}, {0, 1, 0}},
+    {"d1", {A, -B, -C}, {0, 1, 0}},   {"d2", {-A, B, -C}, {0, 1, 0}},
+    {"d3", {-A, -B, C}, {0, 1, 0}},   {"d4", {B, C, A}, {0, 1, 0}},
+    {"d5", {B, -C, -A}, {0, 1, 0}},   {"d6", {-B, C, -A}, {0, 1, 0}},
+    {"d7", {-B, -C, A}, {0, 1, 0}},   {"d8", {C, A, B}, {0, 1, 0}},
+    {"d9", {C, -A, -B}, {0, 1, 0}},   {"d10", {-C, A, -B}, {0, 1, 0}},
+    {"d11", {-C, -A, B}, {0, 1, 0}},  {"d12", {B, A, -C}, {0, 1, 0}},
+    {"d13", {B, -A, C}, {0, 1, 0}},   {"d14", {-B, A, C}, {0, 1, 0}},
+    {"d15", {-B, -A, -C}, {0, 1, 0}}, {"d16", {A, C, -B}, {0, 1, 0}},
+    {"d17", {A, -C, B}, {0, 1, 0}},   {"d18", {-A, C, B}, {0, 1, 0}},
+    {"d19", {-A, -C, -B}, {0, 1, 0}}, {"d20", {C, B, -A}, {0, 1, 0}},
+    {"d21", {C, -B, A}, {0, 1, 0}},   {"d22", {-C, B, A}, {0, 1, 0}},
+    {"d23", {-C, -B, -A}, {0, 1, 0}}, {"d24", {B, A, C}, {0, 1, 0}},
     {"d25", {-A, -B, -C}, {0, 1, 0}},
 };
 enum { VIEW_COUNT = sizeof(views) / sizeof(views[0]) };
@@ -65,26 +65,28 @@ static const standard_view* find(const char* name)
     return NULL;
 }
 
-/// Orients a view to a standard direction; does not place it.
-static void face(const standard_view* standard, stp_view* view)
-{
-    stp_vec3d toward = stp_normalized(standard->toward);
-    stp_vec3d right = stp_normalized(stp_crossd(standard->up, toward));
-    view->eye = toward;
-    view->target = (stp_vec3d){0};
-    view->up = stp_crossd(toward, right);
-}
-
-bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
+bool stp_camera_face(const char* name, stp_view* view)
 {
     const standard_view* standard = find(name);
     if (standard == NULL) {
         return false;
     }
-    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
-    face(standard, view);
-    stp_camera_fit(view, box);
+    stp_vec3d toward = stp_normalized(standard->toward);
+    stp_vec3d right = stp_normalized(stp_crossd(standard->up, toward));
+    view->eye = toward;
+    view->target = (stp_vec3d){0};
+    view->up = stp_crossd(toward, right);
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : STP_CAMERA_FOV;
     return true;
+}
+
+bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
+{
+    bool found = stp_camera_face(name, view);
+    if (found) {
+        stp_camera_fit(view, box);
+    }
+    return found;
 }
 
 bool stp_camera_is_standard(const char* name)

@@ -35,13 +35,13 @@ bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d n
     return true;
 }
 
-bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
+bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box, double rounding)
 {
     static const stp_vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     uint32_t before = sections->count;
     bool added = !stp_boxd_is_empty(*box);
     stp_vec3d size = stp_subd(box->max, box->min);
-    double wider = WIDER * sqrt(stp_dotd(size, size));
+    double wider = WIDER * sqrt(stp_dotd(size, size)) + rounding;
     stp_vec3d margin = {wider, wider, wider};
     for (int k = 0; k < 3; ++k) {
         added =
@@ -51,6 +51,23 @@ bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
     assert(!added || sections->count == before + 6);
     sections->count = added ? sections->count : before;
     return added;
+}
+
+void stp_sections_drop_idle(stp_sections* sections, const stp_boxd* box, double rounding)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < sections->count; ++i) {
+        const stp_section_plane plane = sections->planes[i];
+        stp_vec3d n = plane.normal;
+        stp_vec3d farthest = {n.x > 0.0 ? box->max.x : box->min.x,
+                              n.y > 0.0 ? box->max.y : box->min.y,
+                              n.z > 0.0 ? box->max.z : box->min.z};
+        double beyond = rounding * (fabs(n.x) + fabs(n.y) + fabs(n.z));
+        if (stp_section_beyond(&plane, farthest) + beyond > 0.0) {
+            sections->planes[kept++] = plane;
+        }
+    }
+    sections->count = kept;
 }
 
 bool stp_sections_exclude(const stp_sections* sections, stp_vec3d point)

@@ -17,8 +17,13 @@ bool stp_sections_are_valid(const stp_sections* sections);
 bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d normal);
 
 /// Appends the six planes of a box; everything outside is cut away. The planes are moved outwards
-/// by a millionth of the diagonal, so that faces in the sides of a scene's own box stay whole.
-bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box);
+/// by `rounding` (stp_bounds_rounding) and a millionth of the diagonal, so that faces in the sides
+/// of the box stay whole.
+bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box, double rounding);
+
+/// Drops the planes that cut nothing off a box whose content may lie outside it by `rounding`: near
+/// a plane, views draw less freely.
+void stp_sections_drop_idle(stp_sections* sections, const stp_boxd* box, double rounding);
 
 /// Bits of all planes.
 static inline uint32_t stp_sections_all(const stp_sections* sections)

@@ -54,6 +54,10 @@ STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility,
 /// `visibility` is NULL. Empty if nothing is drawn. Ignores sections.
 stp_boxd stp_visible_bounds(const stp_store* store, const stp_visibility* visibility);
 
+/// How far stored triangles and splats may lie outside the bounds of their nodes, in scene units:
+/// their positions are rounded. 0 if memory runs out. Takes time proportional to the nodes.
+double stp_bounds_rounding(stp_context* context, const stp_store* store);
+
 /// Version number: differs after every change.
 uint64_t stp_visibility_version(const stp_visibility* visibility);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "base/core/context.h"
 #include "select/visibility.h"
 #include "store/file/instances.h"
 
@@ -51,4 +52,60 @@ stp_boxd stp_visible_bounds(const stp_store* store, const stp_visibility* visibi
     stp_affine identity = stp_affine_identity();
     add_node(store, visibility, d->root, &identity, stp_visibility_root(visibility), &bounds);
     return bounds;
+}
+
+static double overhang(const stp_boxd* inner, const stp_boxd* outer)
+{
+    double low = fmax(fmax(outer->min.x - inner->min.x, outer->min.y - inner->min.y),
+                      outer->min.z - inner->min.z);
+    double high = fmax(fmax(inner->max.x - outer->max.x, inner->max.y - outer->max.y),
+                       inner->max.z - outer->max.z);
+    return fmax(fmax(low, high), 0.0);
+}
+
+/// How far the content of a node may lie outside its bounds. `below`: the same for its children, of
+/// lower indices.
+static double node_rounding(const stp_store* store, uint32_t node, const double* below)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    const stp_store_node* n = &d->nodes[node];
+    const stp_affine identity = stp_affine_identity();
+    double most = 0.0;
+    for (uint32_t i = 0; i < n->part_count; ++i) {
+        stp_instance part = stp_instance_of_part(store, d->parts[n->first_part + i], &identity);
+        most = fmax(most, overhang(&part.bounds, &n->bounds));
+    }
+    for (uint32_t i = 0; i < n->edge_count; ++i) {
+        const stp_store_edge* edge = &d->edges[n->first_edge + i];
+        most = fmax(most, stp_affine_scale(&edge->transform) * below[edge->node]);
+    }
+    for (uint32_t i = 0; i < d->method_count; ++i) {
+        uint32_t set = stp_store_set_of(d, i, node);
+        double step =
+            set != STP_STORE_NONE ? (double)stp_store_describe_splat_set(store, set)->step : 0.0;
+        most = fmax(most, step);
+    }
+    uint32_t levels = d->level_starts != NULL ? d->level_starts[node + 1] : 0;
+    for (uint32_t i = levels > 0 ? d->level_starts[node] : 0; i < levels; ++i) {
+        stp_box box = stp_store_describe_mesh(store, stp_store_first_level_mesh(d) + i)->bounds;
+        stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
+        most = fmax(most, overhang(&wide, &n->bounds));
+    }
+    return most;
+}
+
+double stp_bounds_rounding(stp_context* context, const stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    double* below = STP_NEW_ARRAY(context, double, d->node_count);
+    if (below == NULL || d->root == STP_STORE_NONE) {
+        stp_free(context, below);
+        return 0.0;
+    }
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        below[i] = node_rounding(store, i, below);
+    }
+    double rounding = below[d->root];
+    stp_free(context, below);
+    return rounding;
 }

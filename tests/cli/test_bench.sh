@@ -75,7 +75,7 @@ for name, memory in ("frame", None), ("streamed", 64 << 20):
     for r in results: # what the commands say of a picture and of a flight
         flies = r in flights
         keys = set(json.load(open("fly.json" if flies else "render.json"))) | ({"residency"} if flies and memory else set())
-        keys -= {"samples", "accumulated_frames", "picture_ms", "drawn", "method", "coarse_method", "color", "range"} # of a picture that is written
+        keys -= {"samples", "accumulated_frames", "picture_ms", "drawn", "method", "coarse_method", "color", "range", "camera"} # of a picture that is written
         keys -= {"truncated", "file_bytes", "whole_bytes"} # of the file that is drawn
         assert set(r["figures"]) == keys, set(r["figures"]) ^ keys
         assert (r["figures"]["backend"], r["figures"]["width"]) == ("cpu", 64), r["figures"]

@@ -149,4 +149,25 @@ run 1 info damaged.stip
 [ "$(wc -l < err)" = 1 ] || fail "not exactly one sentence: $(cat err)"
 grep -q 'checksum of the section of type 19' err || fail "fault: $(cat err)"
 run 1 check damaged.stip --quick
+
+# formats, and corrections of what a model says about itself
+run 0 info --formats
+grep -q '^LAS, LAZ, COPC *las laz$' out || fail "formats: $(cat out)"
+grep -qw 'wrl' out && fail "a format that cannot be read is listed"
+run 0 info --formats --json
+python3 -c 'import json
+assert {"format": "gltf", "title": "glTF 2.0", "suffixes": "gltf glb"} in json.load(open("out"))["formats"]' || fail "$(cat out)"
+printf 'v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n' > flat.obj
+run 0 info flat.obj --up z --unit mm --json
+python3 -c 'import json
+f = json.load(open("out"))
+assert (f["up"], f["unit"], f["bounds"]["max"]) == ("z", "mm", [1, 0, 0]), f' || fail "$(cat out)"
+for up in "" "--model-up z"; do
+    # shellcheck disable=SC2086
+    "$stipple" -q render flat.obj -o flat.png --size 8x8 --ortho 4 --view front --once $up --json > flat.json || fail "render $up"
+    # shellcheck disable=SC2086
+    "$stipple" -q thumbnail flat.obj -o "small${up:+_z}.png" --size 16x16 --view top $up || fail "thumbnail $up"
+    [ "$(value flat.json covered_pixels)" -gt 0 ] || [ -n "$up" ] || fail "nothing is seen from the front"
+done
+cmp -s small.png small_z.png && fail "--model-up does not turn a model"
 exit $((failures != 0))

@@ -50,10 +50,11 @@ def write_statue(name, size):
 
 def check_growth(name):
     """From one twentieth of the file to the next, the picture loses at most 0.02 of SSIM."""
-    good("render", f"{name}.stip", "-o", "whole.png", *SIZE)
+    camera = json.loads(good("render", f"{name}.stip", "-o", "whole.png", "--json", *SIZE).stdout)["camera"]
+    same = [f"--{key}={','.join(map(str, camera[key]))}" for key in ("eye", "target", "up")] + ["--fov", str(camera["fov"])]
     before, line = 0.0, []
     for percent in range(5, 101, 5):
-        done = run("render", f"{name}.stip", "--prefix", f"{percent}%", "-o", "part.png", *SIZE)
+        done = run("render", f"{name}.stip", "--prefix", f"{percent}%", "-o", "part.png", *same, *SIZE)
         if done.returncode != 0:  # the directory of a small file may be more than that
             if "within its directory" not in done.stderr or before > 0.0:
                 fail(f"{name} {percent}%: {done.stderr}")

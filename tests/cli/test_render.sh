@@ -17,7 +17,7 @@ import json, struct
 figures = json.load(open("a.json"))
 expected = """backend device width height splat_size frame_ms select_ms draw_ms shade_ms splats fragments clusters
 truncated file_bytes whole_bytes drawn triangles nodes draw_calls resident_bytes covered_pixels layers gl samples
-accumulated_frames picture_ms method coarse_method color range""".split()
+accumulated_frames picture_ms method coarse_method color range camera""".split()
 assert sorted(figures) == sorted(expected), figures
 assert (figures["backend"], figures["width"], figures["height"]) == ("cpu", 80, 60)
 assert (figures["samples"], figures["accumulated_frames"]) == (16, 16), figures

@@ -196,4 +196,25 @@ refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section
 refused 2 "--section must be" render street.stip -o r.png --size 32x32 --section x:1 --section x:a
 refused 2 "--section-box must be" render street.stip -o r.png --size 32x32 --section-box 1,2,3
 refused 2 "--pick needs" render street.stip -o r.png --size 32x32 --pick 7
+# a box of the whole scene, and planes at its ends, cut nothing, though stored positions are rounded
+python3 - << 'END'
+from math import cos, sin
+with open("cup.obj", "w") as out:
+    n = 24
+    for k in range(2):
+        out.writelines(f"v {(0.7 + k / 3) * cos(i * 6.2831853 / n):.5f} {k / 3:.5f} {(0.7 + k / 3) * sin(i * 6.2831853 / n):.5f}\n"
+                       for i in range(n))
+    for i in range(n):
+        a, b = i + 1, (i + 1) % n + 1
+        out.write(f"f {a} {a + n} {b}\nf {b} {a + n} {b + n}\n")
+    out.write("f " + " ".join(str(i + 1) for i in range(n)) + "\n")
+END
+"$stipple" -q build cup.obj -o cup.stip || fail "no build of a cup"
+show cup.stip -o whole_cup.png --size 80x60 -q || fail "no cup"
+for cut in "--section-box 0%,0%,0%,100%,100%,100%" "--section x:100% --section -y:0%"; do
+    # shellcheck disable=SC2086
+    show cup.stip -o cut_cup.png --size 80x60 -q $cut || fail "no cup with $cut"
+    cmp -s cut_cup.png whole_cup.png || fail "$cut changes the picture"
+done
+
 exit $((failures > 0))

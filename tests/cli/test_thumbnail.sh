@@ -6,6 +6,8 @@ set -u
 stipple=$1
 # shellcheck source=/dev/null
 . "$(dirname "$0")/shared.sh"
+PYTHONPATH=$(cd "$(dirname "$0")" && pwd)
+export PYTHONPATH PYTHONDONTWRITEBYTECODE=1
 mkdir -p "$2" && cd "$2" || exit 1
 rm -rf ./*
 export XDG_CACHE_HOME=$PWD/cache
@@ -94,20 +96,8 @@ END
 "$stipple" -q thumbnail grid.ply -o grid.png --view top --json > grid.json || fail "a cloud"
 "$stipple" -q thumbnail grid.ply -o holes.png --view top --background '#010203' || fail "a cloud on a colour"
 python3 - << 'END' || fail "the cloud has holes"
-import struct, zlib
-data, pixels, at = open("grid.png", "rb").read(), b"", 8
-while at < len(data):
-    size, kind = struct.unpack(">I4s", data[at:at + 8])
-    pixels += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
-    at += size + 12
-raw, rows, before = zlib.decompress(pixels), [], bytes(1024)
-for y in range(256):
-    kind, row = raw[1025 * y], bytearray(raw[1025 * y + 1:1025 * y + 1025])
-    for i in range(1024):
-        a, b, c = (row[i - 4] if i >= 4 else 0), before[i], (before[i - 4] if i >= 4 else 0)
-        nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-        row[i] = (row[i] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
-    rows.append(before := bytes(row))
+from read_png import read_png
+rows = read_png("grid.png")
 assert all(rows[y][4 * x + 3] == 255 for y in range(30, 226) for x in range(30, 226))
 END
 exit $((failures > 0))

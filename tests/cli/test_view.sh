@@ -20,8 +20,10 @@ fi
 check "the picture is accumulated" 'picture["samples"] == 4'
 xdotool key Tab
 wait_until 'r["rests"] and not r["panels"] and '"picture['width'] == $width and picture['height'] == $height"
+keep
 xdotool key f # frames what there is, from where it is seen from
 wait_until 'r["rests"] and picture["complete"]'
+check "the first view fits the picture when panels close" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-6'
 shot first.png
 as_seen rendered.png scene:boxes
 same first.png rendered.png 0.98
@@ -45,7 +47,7 @@ wait_until 'r["rests"] and near(camera["up"][2], -1)'
 xdotool key 3
 wait_until 'r["rests"] and near(camera["eye"][2], 0) and camera["eye"][0] > 1'
 xdotool key 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 
 # a click on a surface selects the part and sets the pivot; Escape clears the selection
 xdotool mousemove $middle click 1
@@ -53,10 +55,11 @@ wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
 shot chosen.png
 xdotool key Escape Home 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 xdotool mousemove $middle click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
+check "the selection is tinted" 'tools["tinted"][0] > 20'
 # F fits the part, Home everything
 xdotool key f
 wait_until 'r["rests"] and camera["reach"] < 0.6 * k["camera"]["reach"]'
@@ -78,13 +81,19 @@ shot isolated.png
 other isolated.png all_parts.png 0.9
 xdotool key g # of what was isolated
 wait_until 'r["rests"] and tools["marks"] == 2'
+xdotool key o # all others are ghosts, instead of hidden
+wait_until 'r["rests"] and tools["marks"] == 2'
+shot focused.png
+other focused.png isolated.png 0.98
 xdotool key u Escape
-wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == ""'
+wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == "" and tools["tinted"] == [0, 0]'
 shot shown.png
 same shown.png all_parts.png 0.999
+xdotool key x # of no part
+wait_until '"No part is selected" in r["message"] and tools["marks"] == 0'
 # a section through the middle
 xdotool key k
-wait_until 'r["rests"] and tools["section_planes"] == 6'
+wait_until 'r["rests"] and tools["section_planes"] == 6 and "Section box on" in r["message"]'
 xdotool key k
 wait_until 'r["rests"] and tools["section_planes"] == 0'
 # a saved picture equals that of stipple render
@@ -131,9 +140,23 @@ wait_until 'r["rests"] and r["page"] == "none" and r["parts"] and 100 <= picture
 xdotool key h
 wait_until 'r["rests"] and r["help"]'
 shot small.png
-xdotool key Escape F6 Tab
-wait_until 'r["rests"] and not r["help"] and not r["panels"]'
+xdotool key Escape
+wait_until 'r["rests"] and not r["help"] and r["parts"]'
+keep
+drag 1 "$("$python" -S -E -c 'import json
+print(round(json.load(open("report.json"))["picture"]["area"][0]) + 2)')" 100 150 100 # the edge of the parts
+wait_until 'r["rests"] and abs(picture["area"][0] - 150) < 2 and picture["area"][0] != k["picture"]["area"][0]'
+check "the camera is not turned" 'camera["up"] == k["camera"]["up"]'
+xdotool key F6 Tab
+wait_until 'r["rests"] and not r["panels"]'
 xdotool windowsize "$window" "$width" "$height"
 wait_until 'r["rests"] and '"picture['width'] == $width and picture['height'] == $height"
+# a camera that was moved stays when the picture gets another shape
+drag 1 $middle $((width / 2 + 30)) $((height / 2))
+wait_until 'r["rests"] and abs(camera["eye"][0]) > 0.1'
+keep
+xdotool windowsize "$window" $other_size
+wait_until "r['rests'] and f\"{picture['width']} {picture['height']}\" == '$other_size'"
+check "a moved camera stays" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9'
 close_viewer
 [ $failures -eq 0 ]

@@ -50,6 +50,25 @@ for file in "a ball%20.obj" ball.obj; do
         [ $? -eq 77 ] && echo "skipped: dropped files: libX11 is not installed" || fail "$file cannot be dropped"
     fi
 done
+# several files, or a folder of them, are one scene
+if python3 "$here/view_drop.py" "$window" ball.obj "a ball%20.obj"; then
+    wait_until "r['file'].endswith('/ball.obj') and r['inputs'] == 2 and r['loading'] == 'done' and r['rests'] and picture['complete']"
+fi
+close_viewer
+mkdir -p tiles
+for x in 0 2; do
+    printf 'v %d 0 0\nv %d 0 0\nv %d 1 0\nf 1 2 3\n' $x $((x + 1)) $x > tiles/tile_$x.obj
+done
+echo notes > tiles/notes.txt
+open_viewer tiles --backend cpu
+wait_until 'r["inputs"] == 2 and r["loading"] == "done" and r["rests"]'
+check "the folder is recent" 'r["start"]["recent"][0].endswith("/tiles")'
+keep
+# up axis and unit can be corrected, also in the panel
+close_viewer
+open_viewer tiles/tile_0.obj tiles/tile_2.obj --backend cpu --up z --unit mm
+wait_until 'r["inputs"] == 2 and r["loading"] == "done" and r["rests"]'
+check "up and unit" 'r["axes"] == {"up": "z", "unit_metres": 0.001} and k["axes"] == {"up": "y", "unit_metres": 0.0}'
 close_viewer
 # a viewpoint restores its box as a box, further planes, and hidden parts; names may be anything
 python3 - << 'END'

@@ -13,7 +13,7 @@ wait_until 'r["rests"] and not r["panels"] and picture["width"] == 640 and pictu
 xdotool key f
 wait_until 'r["rests"] and picture["complete"]'
 xdotool key 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 # orbit: the distance to the pivot stays; the picture changes
 keep
 drag 1 320 200 400 220
@@ -47,7 +47,7 @@ for key in w s a d q e; do
     wait_until 'r["rests"]'
 done
 xdotool key 9
-wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 # a click on a surface selects the part and sets the pivot; Escape clears the selection
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
@@ -77,7 +77,7 @@ print(round(x), round(y))' $side)
 done
 check "a click on the cube chooses nothing" 'tools["chosen"] == ""'
 xdotool key Tab Home 9
-wait_until 'r["rests"] and not r["panels"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
+wait_until 'r["rests"] and not r["panels"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1)'
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep

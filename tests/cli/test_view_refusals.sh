@@ -15,8 +15,9 @@ grep -q '^stipple: there is no display' err || fail "no display: $(cat err)"
 [ "$(wc -l < err)" -eq 1 ] && [ ! -s out ] || fail "no display: not exactly one sentence"
 env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
 [ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "an invalid display: $(cat err)"
-"$stipple" view a b > out 2> err
-[ $? -eq 2 ] || fail "two files are shown"
+printf '\x89STP' > built.stip
+"$stipple" view built.stip --up z > out 2> err
+[ $? -eq 2 ] && grep -q 'built.stip is built' err || fail "a built file is turned: $(cat err)"
 "$stipple" view --splats 1 > out 2> err
 [ $? -eq 2 ] && grep -q 'splats' err || fail "one splat: $(cat err)"
 "$stipple" view --splats 100 --budget-ms 20 > out 2> err

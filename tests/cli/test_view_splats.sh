@@ -83,6 +83,11 @@ drawn 1231
 # by size, and back to the number that this gave, but at most all
 xdotool key Home
 wait_until 'r["rests"] and picture["complete"]'
+keep
+xdotool mousemove 200 300 click --repeat 5 5 # away, where splats suffice
+wait_until 'r["rests"] and picture["complete"] and camera["reach"] > 1.8 * k["camera"]["reach"]'
+xdotool mousemove 400 300
+keep
 xdotool key c
 wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["splats"] > 1231'
 xdotool key c

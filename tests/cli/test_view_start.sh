@@ -7,6 +7,7 @@ set -u
 mkdir models
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n' > models/corner.obj
 cp models/corner.obj models/other.obj
+touch models/scan.laz models/scan.e57 models/notes.wrl
 here_path=$(pwd -P)
 
 open_viewer
@@ -32,7 +33,10 @@ xdotool key Return
 wait_until "r['start']['folder'] == '$here_path/models' and r['start']['typed'] == '' and not tools['types']"
 xdotool key ctrl+o # the keys go back to the field
 wait_until 'r["start"]["dialog"] and tools["types"]'
-xdotool type "corner.obj"
+check "scans are listed" 'r["start"]["listed"] == 4'
+xdotool type "corn" # filters the list; Tab completes
+wait_until 'r["start"]["typed"] == "corn" and r["start"]["listed"] == 1'
+xdotool key Tab
 wait_until 'r["start"]["typed"] == "corner.obj"'
 xdotool key Return
 wait_until "r['file'] == '$here_path/models/corner.obj' and r['loading'] == 'done' and r['rests'] and picture['complete']"

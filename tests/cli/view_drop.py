@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""view_drop.py WINDOW FILE: drops a file onto a window, like a file manager (XDND, version 5). Exits with
+"""view_drop.py WINDOW FILE...: drops files onto a window, like a file manager (XDND, version 5). Exits with
 77 without libX11, and with 1 if the window rejects the file."""
 import ctypes
 import ctypes.util
@@ -54,7 +54,7 @@ def load():
 
 
 def main():
-    window, path = int(sys.argv[1]), os.path.abspath(sys.argv[2])
+    window, paths = int(sys.argv[1]), [os.path.abspath(path) for path in sys.argv[2:]]
     x = load()
     display = x.XOpenDisplay(None)
     if not display:
@@ -82,7 +82,7 @@ def main():
                 sys.exit("the window takes no files")
             send("XdndDrop", 0, CURRENT_TIME, 0, 0)
         elif event.type == SELECTION_REQUEST:
-            text = ("file://" + urllib.parse.quote(path) + "\r\n").encode()
+            text = "".join("file://" + urllib.parse.quote(path) + "\r\n" for path in paths).encode()
             requestor, kept = request.requestor, request.property
             x.XChangeProperty(display, requestor, kept, request.target, 8, REPLACE, text, len(text))
             answer = Event(selection=Selection(SELECTION_NOTIFY, 0, 1, display, requestor, request.selection,

@@ -202,7 +202,7 @@ static const char* fault_of_info(const stp_model* model)
         return "attributes";
     }
     if (stp_model_get_view_name(model, 0) != NULL ||
-        stp_model_get_view(model, NULL, &view) != STP_OK || view.fov_degrees != 60.0 ||
+        stp_model_get_view(model, NULL, &view) != STP_OK || view.fov_degrees != 40.0 ||
         stp_model_get_view(model, "nowhere", &view) != STP_ERROR_ARGUMENT) {
         return "views";
     }

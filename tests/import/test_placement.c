@@ -134,3 +134,52 @@ void test_far_sites_keep_their_millimetres(test_state* test)
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
+
+void test_corrections_replace_what_an_input_says(test_state* test)
+{
+    // glTF is in metres, with y up; as a correction, -x is up and the unit is a foot
+    for (int corrects = 0; corrects < 2; ++corrects) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        const stp_import_desc desc = {.up = 'X', .unit_metres = 0.3048, .corrects = corrects};
+        CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+        CHECK_EQUAL(STP_OK, stp_import_memory(scene, "a.gltf", metres, sizeof(metres) - 1, &desc));
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_boxd box = scene->nodes[scene->root].bounds;
+        CHECK(scene->unit_metres == (corrects ? 0.3048 : 1.0));
+        CHECK(scene->up[0] == (corrects ? 'x' : 'y'));
+        CHECK(fabs((corrects ? -box.max.y : box.min.x) - 500000.0625) < 2.0);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
+void test_importers_list_the_formats_that_they_read(test_state* test)
+{
+    static const char* const models[] = {"a.las", "b.LAZ", "c.copc.laz", "d.e57",      "e.Glb",
+                                         "f.fbx", "g.dxf", "h.xyz",      "dir.x/i.obj"};
+    static const char* const others[] = {"a.wrl",     "b.step", "c.txt", "d.stip", "las",
+                                         "dir.obj/e", "f.png",  ".",     ""};
+    for (size_t i = 0; i < sizeof(models) / sizeof(models[0]); ++i) {
+        CHECK(stp_import_lists(models[i]));
+    }
+    for (size_t i = 0; i < sizeof(others) / sizeof(others[0]); ++i) {
+        CHECK(!stp_import_lists(others[i]));
+    }
+    // an empty file of each listed suffix is empty or damaged, not of an unknown format
+    for (const stp_importer* const* i = stp_importers(); *i != NULL; ++i) {
+        for (const char* at = stp_importer_listed(*i); *at != 0;) {
+            char name[32];
+            int length = (int)strcspn(at, " ");
+            snprintf(name, sizeof(name), "a.%.*s", length, at);
+            at += length + (at[length] == ' ');
+            stp_context* context = test_context(NULL, 1, NULL);
+            stp_scene* scene = NULL;
+            CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+            stp_result result = stp_import_memory(scene, name, "", 0, &(stp_import_desc){0});
+            CHECK(result != STP_ERROR_UNSUPPORTED);
+            stp_scene_destroy(scene);
+            stp_context_destroy(context);
+        }
+    }
+}

@@ -203,10 +203,12 @@ void test_camera_directions_match_their_names(test_state* test)
         CHECK(stp_camera_frame(cases[i].name, &box, &view));
         stp_vec3d toward = stp_normalized(stp_subd(view.eye, view.target));
         CHECK(stp_dotd(toward, cases[i].toward) > 0.999999);
-        CHECK(view.fov_degrees == 60.0);
+        CHECK(view.fov_degrees == STP_CAMERA_FOV);
     }
     stp_view view = {.width = 100, .height = 100, .fov_degrees = 30};
     CHECK(stp_camera_frame("iso", &box, &view) && view.fov_degrees == 30.0);
+    stp_vec3d corner = stp_normalized(stp_subd(view.eye, view.target)); // isometric: 35.26 degrees
+    CHECK(fabs(corner.y - sqrt(1.0 / 3.0)) < 1e-9 && fabs(corner.x - corner.z) < 1e-9);
     CHECK(!stp_camera_frame("nowhere", &box, &view) && !stp_camera_frame("d26", &box, &view));
     stp_boxd empty = stp_boxd_empty(), point = {{1, 1, 1}, {1, 1, 1}};
     stp_view_frame frame;

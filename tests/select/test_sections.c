@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "tests.h"
+#include "support_built.h"
 
 #include "base/math/rng.h"
 #include "select/sections.h"
+#include "select/visibility.h"
+#include "store/clusters/clusters.h"
 
 #include <math.h>
 
@@ -94,15 +96,72 @@ void test_sections_refuse_invalid_planes(test_state* test)
         CHECK(stp_sections_add_plane(&sections, zero, up));
     }
     stp_boxd box = {{-1, -1, -1}, {1, 1, 1}};
-    CHECK(!stp_sections_add_box(&sections, &box)); // one too many
+    CHECK(!stp_sections_add_box(&sections, &box, 0.0)); // one too many
     CHECK_EQUAL(STP_SECTION_PLANES - 5, sections.count);
     sections.count -= 1;
-    CHECK(stp_sections_add_box(&sections, &box));
+    CHECK(stp_sections_add_box(&sections, &box, 0.0));
     CHECK(stp_sections_are_valid(&sections));
     CHECK(stp_sections_exclude(&sections, (stp_vec3d){0, -0.5, 1.5}));
     CHECK(!stp_sections_exclude(&sections, (stp_vec3d){0.9, -0.9, 0.9}));
     box = stp_boxd_empty();
-    CHECK(!stp_sections_add_box(&sections, &box));
+    CHECK(!stp_sections_add_box(&sections, &box, 0.0));
     sections.count = STP_SECTION_PLANES + 1;
     CHECK(!stp_sections_are_valid(&sections));
+}
+
+/// Vertices of a scene that sections cut away.
+static uint32_t count_cut(stp_context* context, stp_store* store, const built_places* places,
+                          const stp_sections* sections)
+{
+    uint32_t cut = 0;
+    for (uint32_t i = 0; i < places->count; ++i) {
+        const stp_instance* place = &places->places[i];
+        stp_clusters clusters;
+        stp_decoded_mesh mesh;
+        if (stp_store_get_clusters(store, place->part.index, &clusters) != STP_OK ||
+            stp_clusters_decode(context, &clusters, &mesh) != STP_OK) {
+            return UINT32_MAX;
+        }
+        for (size_t k = 0; k < 3 * (size_t)mesh.triangle_count; ++k) {
+            const float* p = mesh.positions + 3 * k;
+            stp_vec3d own = {(double)p[0], (double)p[1], (double)p[2]};
+            cut += stp_sections_exclude(sections, stp_affine_point(&place->transform, own));
+        }
+        stp_decoded_mesh_destroy(context, &mesh);
+    }
+    return cut;
+}
+
+void test_sections_around_everything_cut_nothing(test_state* test)
+{
+    uint32_t cut_without = 0;
+    for (uint64_t seed = 50; seed < 54; ++seed) {
+        stp_context* context = test_context(NULL, 2, NULL);
+        stp_store* store = context != NULL ? built_open(context, seed, seed % 2 == 0) : NULL;
+        static built_places all;
+        stp_affine identity = stp_affine_identity();
+        stp_sections sections = {0}, tight = {0};
+        CHECK(store != NULL);
+        const stp_store_directory* d = stp_store_get_directory(store);
+        stp_boxd box = d->nodes[d->root].bounds;
+        all.count = 0;
+        CHECK(built_unfold(store, d->root, &identity, &all));
+        double rounding = stp_bounds_rounding(context, store);
+        double size = stp_lengthd(stp_subd(box.max, box.min));
+        CHECK(rounding >= 0.0 && rounding < 1e-3 * size);
+        CHECK(stp_sections_add_box(&sections, &box, rounding));
+        CHECK_EQUAL(0, count_cut(context, store, &all, &sections));
+        CHECK(stp_sections_add_plane(&tight, box.max, (stp_vec3d){1, 0, 0}) &&
+              stp_sections_add_plane(&tight, box.max, (stp_vec3d){0, 1, 0}) &&
+              stp_sections_add_plane(&tight, box.min, (stp_vec3d){0, 0, -1}));
+        cut_without += count_cut(context, store, &all, &tight);
+        // such planes need not be tested; one that cuts remains
+        CHECK(stp_sections_add_plane(&sections, stp_scaled(stp_addd(box.min, box.max), 0.5),
+                                     (stp_vec3d){1, 1, 0}));
+        stp_sections_drop_idle(&sections, &box, rounding);
+        CHECK(sections.count == 1 && fabs(sections.planes[0].normal.x - sqrt(0.5)) < 1e-9);
+        stp_store_close(store);
+        stp_context_destroy(context);
+    }
+    CHECK(cut_without > 0); // stored positions are rounded
 }

@@ -3,6 +3,7 @@
 #include "tests.h"
 
 #include "program/viewer/model/folder.h"
+#include "program/viewer/model/path_list.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,6 +80,7 @@ static void touch(const char* path)
 void test_viewer_folders_list_folders_then_models(test_state* test)
 {
     static const char* const names[] = {"b.GLB", "a.stip", "notes.txt", ".hidden.obj"};
+    path_list models = {0};
     char top[64], path[PATH_MAX];
     folder_list f = {0};
     snprintf(top, sizeof(top), "stp_folder_%ld", (long)getpid());
@@ -94,6 +96,11 @@ void test_viewer_folders_list_folders_then_models(test_state* test)
     CHECK(strcmp(f.entries[1].name, "a.stip") == 0 && f.entries[1].bytes == 5);
     CHECK(strcmp(f.entries[2].name, "b.GLB") == 0);
     CHECK(folder_read(&f, top, true) && f.count == 4);
+    CHECK(path_list_expand(&models, top) && models.count == 1); // the models of the folder
+    CHECK(strstr(models.paths[0], "/b.GLB") != NULL);
+    CHECK(path_list_expand(&models, "missing.obj") && models.count == 2);
+    CHECK(strcmp(models.paths[1], "missing.obj") == 0);
+    path_list_destroy(&models);
     // an invalid folder leaves the list unchanged
     CHECK(!folder_read(&f, "/nowhere/there", false) && f.count == 4);
     CHECK(folder_join(&f, "Sub", path) && strstr(path, "/Sub") != NULL);
@@ -107,4 +114,28 @@ void test_viewer_folders_list_folders_then_models(test_state* test)
     CHECK(rmdir(path) == 0 && rmdir(top) == 0);
     CHECK(folder_read(&f, "/", false) && folder_join(&f, "..", path) && strcmp(path, "/") == 0);
     folder_destroy(&f);
+}
+
+void test_viewer_folders_complete_and_filter_names(test_state* test)
+{
+    char name[64];
+    static char names[5][32] = {"Tiles", "tower north.laz", "tower s\u00fcd.laz",
+                                "tower s\u00fc\u00df.laz", "Zoo.glb"};
+    folder_entry entries[5];
+    for (int i = 0; i < 5; ++i) {
+        entries[i] = (folder_entry){.name = names[i], .is_folder = i == 0};
+    }
+    folder_list f = {.entries = entries, .count = 5};
+    CHECK(folder_complete(&f, "ti", name, sizeof(name)) && strcmp(name, "Tiles/") == 0);
+    CHECK(folder_complete(&f, "TOW", name, sizeof(name)) && strcmp(name, "tower ") == 0);
+    CHECK(folder_complete(&f, "tower s", name, sizeof(name)) && strcmp(name, "tower s\u00fc") == 0);
+    CHECK(folder_complete(&f, "z", name, sizeof(name)) && strcmp(name, "Zoo.glb") == 0);
+    CHECK(folder_complete(&f, "t", name, sizeof(name)) && strcmp(name, "T") == 0);
+    CHECK(!folder_complete(&f, "none", name, sizeof(name)));
+    CHECK(folder_filter(&entries[1], "NORTH") && folder_filter(&entries[1], ""));
+    CHECK(!folder_filter(&entries[1], "south") && !folder_filter(&entries[4], "zoo.glb.laz"));
+    char text[1024];
+    CHECK(strstr(folder_formats(text, sizeof(text)), ".laz") != NULL &&
+          strstr(text, ".e57") != NULL && strstr(text, "wrl") == NULL);
+    CHECK(strlen(text) + 1 < sizeof(text)); // all formats
 }

@@ -36,6 +36,7 @@ explorer* explorer_create(const char* path)
         explorer_destroy(e);
         return NULL;
     }
+    e->rounding = stp_bounds_rounding(e->context, e->store);
     return e;
 }
 
@@ -324,14 +325,20 @@ void explorer_choose_picked(explorer* e, const stp_pick* pick)
     explorer_choose(e, item.depth > 0 ? &item : NULL, true);
 }
 
-bool explorer_chosen_box(explorer* e, stp_boxd* box)
+bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box)
 {
     stp_outline_row row;
-    bool any = e->chosen.depth > 0 && e->ready &&
-               stp_outline_describe(e->outline, &e->chosen, &row) == STP_OK &&
+    bool any = item->depth > 0 && item->node != STP_STORE_NONE && e->ready &&
+               stp_outline_describe(e->outline, item, &row) == STP_OK &&
                !stp_boxd_is_empty(row.bounds);
-    *box = any ? row.bounds : stp_boxd_empty();
+    *box = any ? row.bounds : *box;
     return any;
+}
+
+bool explorer_chosen_box(explorer* e, stp_boxd* box)
+{
+    *box = stp_boxd_empty();
+    return explorer_item_box(e, &e->chosen, box);
 }
 
 static void apply_marks(explorer* e)
@@ -344,6 +351,12 @@ static void apply_marks(explorer* e)
     }
 }
 
+/// Whether a mark changes all other parts.
+static bool is_alone(explorer_how how)
+{
+    return how == EXPLORER_ISOLATED || how == EXPLORER_FOCUSED;
+}
+
 void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how how)
 {
     if (item->depth == 0 || item->node == STP_STORE_NONE) {
@@ -354,8 +367,7 @@ void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how 
     for (size_t i = 0; i < e->mark_count; ++i) {
         bool same = explorer_is_same(&e->marks[i].item, item);
         was = was || (same && e->marks[i].how == how);
-        // only one part is isolated at a time
-        bool goes = same || (how == EXPLORER_ISOLATED && e->marks[i].how == EXPLORER_ISOLATED);
+        bool goes = same || (is_alone(how) && is_alone(e->marks[i].how));
         if (!goes) {
             e->marks[kept++] = e->marks[i];
         }
@@ -388,18 +400,22 @@ void explorer_show_all(explorer* e)
 bool explorer_list_shown(const explorer* e, shown_list* list)
 {
     static const stp_show shows[] = {[EXPLORER_ISOLATED] = STP_SHOW,
+                                     [EXPLORER_FOCUSED] = STP_SHOW,
                                      [EXPLORER_GHOST] = STP_SHOW_GHOST,
                                      [EXPLORER_HIDDEN] = STP_SHOW_NOT};
-    static const explorer_how order[] = {EXPLORER_ISOLATED, EXPLORER_GHOST, EXPLORER_HIDDEN};
+    static const explorer_how order[] = {EXPLORER_ISOLATED, EXPLORER_FOCUSED, EXPLORER_GHOST,
+                                         EXPLORER_HIDDEN};
     *list = (shown_list){.whole = STP_SHOW};
     list->objects = malloc((e->mark_count + 1) * sizeof(*list->objects));
-    for (size_t k = 0; list->objects != NULL && k < 3; ++k) {
+    for (size_t k = 0; list->objects != NULL && k < 4; ++k) {
         for (size_t i = 0; i < e->mark_count; ++i) {
             const explorer_mark* m = &e->marks[i];
             if (m->how == order[k]) {
                 list->objects[list->count++] =
                     (shown_object){{m->item.node, m->item.transform}, shows[m->how]};
-                list->whole = m->how == EXPLORER_ISOLATED ? STP_SHOW_NOT : list->whole;
+                list->whole = m->how == EXPLORER_ISOLATED  ? STP_SHOW_NOT
+                              : m->how == EXPLORER_FOCUSED ? STP_SHOW_GHOST
+                                                           : list->whole;
             }
         }
     }

@@ -31,7 +31,12 @@ typedef struct explorer_row {
     bool open;
 } explorer_row;
 
-typedef enum explorer_how { EXPLORER_HIDDEN, EXPLORER_ISOLATED, EXPLORER_GHOST } explorer_how;
+typedef enum explorer_how {
+    EXPLORER_HIDDEN,
+    EXPLORER_ISOLATED,
+    EXPLORER_GHOST,
+    EXPLORER_FOCUSED, ///< all others are ghosts
+} explorer_how;
 
 /// A part with changed visibility.
 typedef struct explorer_mark {
@@ -57,6 +62,7 @@ typedef struct explorer {
     stp_store* store;
     stp_outline* outline;
     stp_visibility* visibility;
+    double rounding;   ///< how far content may lie outside its bounds (stp_bounds_rounding)
     bool ready;        ///< the tree can be shown
     bool failed;       ///< the tree cannot be read
     char message[512]; ///< the last error; cleared by whoever shows it; empty: none
@@ -108,11 +114,13 @@ bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pi
 /// Selects the picked part (NULL: none) and expands the tree down to it.
 void explorer_choose_picked(explorer* e, const stp_pick* pick);
 void explorer_choose(explorer* e, const stp_outline_item* item, bool reveals);
-/// Bounds of the selected part. @return false if nothing is selected or the part has no visible
-/// content
+/// Bounds of a part. @return false, and leaves the box, if it has no content
+bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box);
+/// Bounds of the selected part. @return false if nothing is selected or the part has no content
 bool explorer_chosen_box(explorer* e, stp_boxd* box);
 
-/// Hides, isolates or ghosts a part; shows it normally again if it already was so.
+/// Hides, isolates, ghosts or focuses a part; shows it normally again if it already was so. Only one
+/// part is isolated or focused at a time.
 void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how how);
 /// Whether a part or one of its ancestors is marked so.
 bool explorer_is_marked(const explorer* e, const stp_outline_item* item, explorer_how how);

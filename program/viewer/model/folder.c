@@ -2,6 +2,8 @@
 #define _XOPEN_SOURCE 700 // realpath
 #include "program/viewer/model/folder.h"
 
+#include "import/reading/import.h"
+
 #include <assert.h>
 #include <dirent.h>
 #include <stdio.h>
@@ -10,28 +12,70 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-const char folder_formats[] =
-    "Stipple (.stip), glTF 2.0 (.gltf, .glb), OBJ, PLY (meshes and point clouds), STL, E57, PTX, "
-    "PTS, PCD, XYZ, CSV, ASC, SRTM heights (.hgt); through assimp "
-    "also FBX, COLLADA (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF and others";
+const char* folder_formats(char* text, size_t size)
+{
+    size_t used = (size_t)snprintf(text, size, "Stipple (.stip)");
+    const stp_importer* importer;
+    for (size_t i = 0; used < size && (importer = stp_import_listed(i)) != NULL; ++i) {
+        used += (size_t)snprintf(text + used, size - used, ", %s (", importer->title);
+        const char* at = stp_importer_listed(importer);
+        for (const char* separator = ""; *at != 0 && used < size; separator = " ") {
+            int length = (int)strcspn(at, " ");
+            used += (size_t)snprintf(text + used, size - used, "%s.%.*s", separator, length, at);
+            at += length + (at[length] == ' ');
+        }
+        used += used < size ? (size_t)snprintf(text + used, size - used, ")") : 0;
+    }
+    return text;
+}
 
-static const char* const suffixes[] = {
-    "stip", "gltf", "glb", "obj", "ply", "stl",  "fbx", "dae",  "3ds", "blend", "ifc", "dxf",
-    "x3d",  "x",    "off", "lwo", "lws", "ac",   "3mf", "ase",  "b3d", "bvh",   "cob", "csm",
-    "hmp",  "irr",  "md2", "md3", "mdl", "ms3d", "nff", "ogex", "q3o", "raw",   "smd", "ter",
-    "amf",  "wrl",  "e57", "ptx", "pts", "pcd",  "xyz", "csv",  "asc", "hgt",
-};
-
-/// Whether a file's name has the extension of a supported format, ignoring case.
 static bool is_model(const char* name)
 {
-    const char* dot = strrchr(name, '.');
-    for (size_t i = 0; dot != NULL && i < sizeof(suffixes) / sizeof(suffixes[0]); ++i) {
-        if (strcasecmp(dot + 1, suffixes[i]) == 0) {
+    size_t length = strlen(name);
+    bool built = length > 5 && strcasecmp(name + length - 5, ".stip") == 0;
+    return built || stp_import_lists(name);
+}
+
+bool folder_filter(const folder_entry* entry, const char* typed)
+{
+    size_t length = strlen(typed);
+    for (const char* at = entry->name; strlen(at) >= length; ++at) {
+        if (strncasecmp(at, typed, length) == 0) {
             return true;
         }
     }
     return false;
+}
+
+bool folder_complete(const folder_list* f, const char* start, char* name, size_t size)
+{
+    size_t length = strlen(start), matches = 0;
+    bool is_folder = false;
+    name[0] = 0;
+    for (size_t i = 0; i < f->count; ++i) {
+        const folder_entry* e = &f->entries[i];
+        if (strncasecmp(e->name, start, length) != 0) {
+            continue;
+        }
+        if (matches == 0) {
+            snprintf(name, size, "%s", e->name);
+            is_folder = e->is_folder;
+        }
+        size_t same = 0;
+        while (name[same] != 0 && strncasecmp(name, e->name, same + 1) == 0) {
+            same += 1;
+        }
+        while ((name[same] & 0xC0) == 0x80) { // not within a character
+            same -= 1;
+        }
+        name[same] = 0;
+        matches += 1;
+    }
+    length = strlen(name);
+    if (matches == 1 && is_folder && length + 1 < size) {
+        memcpy(name + length, "/", 2);
+    }
+    return matches > 0;
 }
 
 bool folder_join(const folder_list* f, const char* name, char path[PATH_MAX])

@@ -24,8 +24,8 @@ typedef struct folder_list {
     bool is_truncated; ///< there are more entries
 } folder_list;
 
-/// Supported formats, as text for people.
-extern const char folder_formats[];
+/// Supported formats, as text for people. @return text
+const char* folder_formats(char* text, size_t size);
 
 /// Lists a folder without hidden entries, and without unsupported files unless `all`. @return false
 /// if it cannot be read: `f` stays unchanged
@@ -33,6 +33,12 @@ bool folder_read(folder_list* f, const char* path, bool all);
 /// "PATH/NAME" of an entry, or the parent folder for "..". @return false if it is too long
 bool folder_join(const folder_list* f, const char* name, char path[PATH_MAX]);
 void folder_destroy(folder_list* f);
+
+/// Whether an entry's name contains what was typed, ignoring case.
+bool folder_filter(const folder_entry* entry, const char* typed);
+/// The longest beginning that all names have which begin with `start`, ignoring case; of a single
+/// folder, with a slash. @return false if there is no such name
+bool folder_complete(const folder_list* f, const char* start, char* name, size_t size);
 
 // Recently opened files, kept in $XDG_STATE_HOME/stipple/recent (or ~/.local/state/stipple/recent):
 // one path per line, newest first.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "program/viewer/model/loader.h"
 
+#include "program/viewer/model/path_list.h"
+
 #include <assert.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -17,7 +19,9 @@ struct loader {
     pthread_cond_t changed;
     bool quits;
     uint32_t wanted, begun; ///< numbers of the requested and of the current load
-    char path[PATH_MAX];    ///< file of the requested load
+    path_list inputs;       ///< files of the requested load
+    char up;                ///< scene_input
+    double unit_metres;
     loader_news news;
     char draft[PATH_MAX]; ///< path of the last build's drafts; empty: none
 };
@@ -107,7 +111,7 @@ static bool wait_for_another(loader* l)
     return goes_on;
 }
 
-static void load(loader* l, const char* path)
+static void load(loader* l, const scene_input* input)
 {
     char found[PATH_MAX], draft[PATH_MAX];
     stp_context* context = NULL;
@@ -126,7 +130,7 @@ static void load(loader* l, const char* path)
     scene_watcher watcher = {.grown = on_grown, .user = l};
     stp_result result;
     do {
-        result = tool_locate_watched(context, path, l->desc.use, &watcher, found, draft);
+        result = tool_locate_watched(context, input, l->desc.use, &watcher, found, draft);
     } while (result == STP_ERROR_BUSY && wait_for_another(l));
     stp_context_destroy(context);
     pthread_mutex_lock(&l->mutex);
@@ -147,7 +151,6 @@ static void yield_to_drawing(void)
 static void* run(void* user)
 {
     loader* l = user;
-    char path[PATH_MAX];
     yield_to_drawing();
     pthread_mutex_lock(&l->mutex);
     while (!l->quits) {
@@ -156,12 +159,15 @@ static void* run(void* user)
             continue;
         }
         l->begun = l->wanted;
-        copy_text(path, sizeof(path), l->path);
+        path_list inputs = l->inputs; // another request brings its own
+        l->inputs = (path_list){0};
+        scene_input input = {(const char* const*)inputs.paths, inputs.count, l->up, l->unit_metres};
         uint32_t serial = l->news.serial;
         l->news = (loader_news){.state = LOADER_WORKING, .overall = -1.0, .serial = serial};
-        copy_text(l->news.file, sizeof(l->news.file), path);
+        copy_text(l->news.file, sizeof(l->news.file), inputs.paths[0]);
         pthread_mutex_unlock(&l->mutex);
-        load(l, path);
+        load(l, &input);
+        path_list_destroy(&inputs);
         pthread_mutex_lock(&l->mutex);
     }
     pthread_mutex_unlock(&l->mutex);
@@ -197,17 +203,28 @@ void loader_destroy(loader* l)
     pthread_mutex_unlock(&l->mutex);
     pthread_join(l->thread, NULL);
     loader_drop_drafts(l);
+    path_list_destroy(&l->inputs);
     pthread_mutex_destroy(&l->mutex);
     pthread_cond_destroy(&l->changed);
     free(l);
 }
 
-void loader_start(loader* l, const char* path)
+bool loader_start(loader* l, const scene_input* input)
 {
+    path_list inputs = {0};
+    for (size_t i = 0; i < input->count; ++i) {
+        if (!path_list_add(&inputs, input->paths[i])) {
+            path_list_destroy(&inputs);
+            return false;
+        }
+    }
     pthread_mutex_lock(&l->mutex);
     l->wanted += 1;
-    copy_text(l->path, sizeof(l->path), path);
-    copy_text(l->news.file, sizeof(l->news.file), path);
+    path_list_destroy(&l->inputs);
+    l->inputs = inputs;
+    l->up = input->up;
+    l->unit_metres = input->unit_metres;
+    copy_text(l->news.file, sizeof(l->news.file), input->paths[0]);
     l->news.state = LOADER_WORKING;
     l->news.stage[0] = 0;
     l->news.message[0] = 0;
@@ -216,6 +233,7 @@ void loader_start(loader* l, const char* path)
     l->news.overall = -1.0;
     pthread_cond_signal(&l->changed);
     pthread_mutex_unlock(&l->mutex);
+    return true;
 }
 
 void loader_get_news(loader* l, loader_news* news)

@@ -25,7 +25,7 @@ typedef enum loader_state {
 /// Loading progress. Texts are for people.
 typedef struct loader_news {
     loader_state state;
-    char file[PATH_MAX]; ///< the requested file
+    char file[PATH_MAX]; ///< the requested file, or the first one
     char stage[64];
     double fraction, overall; ///< progress of the stage; of the whole, negative if unknown
     uint64_t done, total;
@@ -48,8 +48,9 @@ typedef struct loader_desc {
 loader* loader_create(const loader_desc* desc);
 /// Cancels the current work and waits for the thread to end.
 void loader_destroy(loader* l);
-/// Starts loading a file; cancels the previous load.
-void loader_start(loader* l, const char* path);
+/// Starts loading files, of which it keeps copies of the paths; cancels the previous load. @return
+/// false if memory runs out: the previous load goes on
+bool loader_start(loader* l, const scene_input* input);
 void loader_get_news(loader* l, loader_news* news);
 /// Releases the drafts: the finished scene is shown.
 void loader_drop_drafts(loader* l);

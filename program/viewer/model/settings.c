@@ -28,6 +28,8 @@ typedef struct field {
 static const field fields[] = {
     {"backend", FIELD_INT, PLACE(backend), 0, BACKEND_COUNT - 1},
     {"parts", FIELD_BOOL, PLACE(parts), 0, 0},
+    {"parts_width", FIELD_FLOAT, PLACE(parts_width), VIEWER_PARTS_WIDTH_MIN,
+     VIEWER_PARTS_WIDTH_MAX},
     {"page", FIELD_INT, PLACE(page), 0, PAGE_COUNT - 1},
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
     {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},
@@ -50,6 +52,7 @@ enum { FIELD_COUNT = sizeof(fields) / sizeof(fields[0]) };
 viewer_settings viewer_settings_default(void)
 {
     return (viewer_settings){.parts = true,
+                             .parts_width = VIEWER_PARTS_WIDTH,
                              .page = PAGE_NONE,
                              .point_scale = 1.0f,
                              .point_pixels = 3.0f,

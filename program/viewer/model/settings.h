@@ -21,11 +21,17 @@ typedef enum viewer_page {
     PAGE_COUNT
 } viewer_page;
 
+// Widths of the panel of parts, pixels at scale 1.
+#define VIEWER_PARTS_WIDTH 260.0f
+#define VIEWER_PARTS_WIDTH_MIN 140.0f
+#define VIEWER_PARTS_WIDTH_MAX 1200.0f
+
 typedef struct viewer_settings {
     int backend; ///< BACKEND_*
     bool parts;
-    viewer_page page; ///< page of the right panel
-    bool adapts;      ///< limit the frame time: splats grow while the camera moves
+    float parts_width; ///< of the panel of parts, pixels at scale 1
+    viewer_page page;  ///< page of the right panel
+    bool adapts;       ///< limit the frame time: splats grow while the camera moves
     float budget_ms;
     /// Of its style, point_sizing counts in scenes with points; its quality has the size and number
     /// of splats (0: by size), policy, method and reference.

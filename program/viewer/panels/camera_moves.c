@@ -23,11 +23,12 @@ void camera_begin(viewer* v)
     uint32_t width = (uint32_t)v->picture_area.width, height = (uint32_t)v->picture_area.height;
     stp_navigator_init(&v->camera, &box, width, height);
     const char* name = v->options.view;
+    (void)framing_face(v, "iso", &v->camera);
     if (name != NULL) {
         stp_view view = {.width = v->camera.width, .height = v->camera.height};
-        if (tool_find_view(v->scene->store, name, NULL, &view)) {
+        if (tool_find_stored_view(v->scene->store, name, &view)) {
             stp_navigator_read_view(&v->camera, &view);
-        } else if (!views_begin_at(v, name)) {
+        } else if (!framing_face(v, name, &v->camera) && !views_begin_at(v, name)) {
             viewer_show_message(v, true, "there is no view named %s", name);
         }
         v->options.view = NULL; // only for the first file
@@ -144,38 +145,19 @@ void camera_step(viewer* v, double seconds)
     }
 }
 
-/// Bounds of all visible content; of the whole scene if nothing is visible.
-static stp_boxd shown_box(const viewer* v)
-{
-    stp_boxd box = v->explorer != NULL
-                       ? stp_visible_bounds(v->scene->store, v->explorer->visibility)
-                       : camera_scene_box(v);
-    return stp_boxd_is_empty(box) ? camera_scene_box(v) : box;
-}
-
 void camera_face(viewer* v, const char* name)
 {
-    if (v->scene == NULL) {
-        return;
-    }
-    stp_boxd box = shown_box(v);
-    stp_sections sections = section_make(v);
     stp_navigator to = v->camera;
-    if (stp_navigator_face(&to, name, &box, &sections)) {
+    if (v->scene != NULL && framing_face(v, name, &to)) {
         camera_glide(v, &to);
     }
 }
 
 void camera_frame(viewer* v)
 {
-    stp_boxd box;
     stp_navigator to = v->camera;
     if (v->scene != NULL) {
-        if (v->explorer == NULL || !explorer_chosen_box(v->explorer, &box)) {
-            box = shown_box(v);
-        }
-        stp_sections sections = section_make(v);
-        stp_navigator_frame(&to, &box, &sections);
+        framing_frame(v, &to);
         camera_glide(v, &to);
     }
 }

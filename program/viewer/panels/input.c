@@ -68,6 +68,8 @@ static void drag_on(viewer* v, float x, float y)
         stp_navigator_orbit(&v->camera, dx, dy);
     } else if (in->drag == DRAG_PAN) {
         stp_navigator_pan(&v->camera, dx, dy, in->pan_depth);
+    } else if (in->drag == DRAG_PARTS) {
+        panels_drag_edge(v, x);
     } else if (in->drag == DRAG_SECTION) {
         section_drag(v, x - (float)dx, y - (float)dy, x, y);
     } else if (in->drag == DRAG_LOOK) {
@@ -132,17 +134,18 @@ static void take_mouse(viewer* v, const SDL_Event* e)
     float density = v->window.density;
     if (e->type == SDL_MOUSEBUTTONDOWN) {
         float x = (float)e->button.x * density, y = (float)e->button.y * density;
+        bool is_edge = e->button.button == SDL_BUTTON_LEFT && panels_edge(v, x, y);
         if (in->button == 0 && e->button.button == SDL_BUTTON_LEFT && is_on_picture(v, x, y) &&
-            orientation_click(v, x, y)) {
+            !is_edge && orientation_click(v, x, y)) {
             return;
         }
-        if (in->button == 0 && v->scene != NULL && is_on_picture(v, x, y)) {
-            bool grabs = e->button.button == SDL_BUTTON_LEFT && section_grab(v, x, y);
+        if (in->button == 0 && (is_edge || (v->scene != NULL && is_on_picture(v, x, y)))) {
+            bool grabs = !is_edge && e->button.button == SDL_BUTTON_LEFT && section_grab(v, x, y);
             in->button = e->button.button;
             in->start_x = in->last_x = x;
             in->start_y = in->last_y = y;
-            in->moved = grabs;
-            in->drag = grabs ? DRAG_SECTION : DRAG_NONE;
+            in->moved = grabs || is_edge;
+            in->drag = is_edge ? DRAG_PARTS : grabs ? DRAG_SECTION : DRAG_NONE;
             SDL_CaptureMouse(SDL_TRUE);
         }
     } else if (e->type == SDL_MOUSEMOTION && in->button != 0) {
@@ -240,6 +243,9 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
         break;
     case SDLK_k:
         v->section.has_box = !v->section.has_box;
+        viewer_show_message(v, false,
+                            v->section.has_box ? "Section box on: its handles are in Section (F3)"
+                                               : "Section box off");
         break;
     case SDLK_m:
         v->measure.on = !v->measure.on;

@@ -81,6 +81,7 @@ void overlay_show(viewer* v)
     }
     gui_picture(picture, a.x, a.y, a.x + a.width, a.y + a.height);
     gui_clip(a.x, a.y, a.x + a.width, a.y + a.height);
+    selection_overlay(v);
     if (v->explorer != NULL && explorer_chosen_box(v->explorer, &box)) {
         overlay_box(v, &n, &box, CHOSEN_COLOR, 1.5f);
     }

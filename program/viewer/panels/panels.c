@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const float parts_width = 260.0f, page_width = 300.0f; // pixels at scale 1
+static const float page_width = 300.0f; // pixels at scale 1
+static const float edge_width = 5.0f;   // where the panel of parts is dragged, at scale 1
 
 typedef struct page_entry {
     viewer_page page;
@@ -41,8 +42,8 @@ static const shortcut key_shortcuts[] = {
     {"F / Home", "fit the selected part / everything"},
     {"1 3 7 9", "front, right, top, iso view"},
     {"5", "perspective or parallel projection"},
-    {"X I G U", "hide, isolate, ghost, show all"},
-    {"K", "section box; drag its handles"},
+    {"X I G O U", "hide, isolate, ghost, ghost others, show all"},
+    {"K", "section box; F3: its handles"},
     {"M, Backspace", "measure, undo the last point"},
     {"V", "save a viewpoint"},
     {"R", "record a flight"},
@@ -78,7 +79,8 @@ static bool has_page(const viewer* v)
 /// If there is no room for both panels, the right one is shown.
 static bool has_parts(const viewer* v)
 {
-    bool room = (float)v->window.width > 2.0f * (parts_width + page_width) * v->window.scale;
+    float wanted = VIEWER_PARTS_WIDTH + page_width;
+    bool room = (float)v->window.width > 2.0f * wanted * v->window.scale;
     return v->shows_panels && v->settings.parts && v->file[0] != 0 && (room || !has_page(v));
 }
 
@@ -101,10 +103,38 @@ viewer_area panels_layout(const viewer* v)
     float top = bar_height(v), bottom = status_height(v);
     float right = has_page(v) ? page_width * v->window.scale : 0.0f;
     right = right < 0.6f * width ? right : 0.6f * width;
-    float left = has_parts(v) ? parts_width * v->window.scale : 0.0f;
+    float left = has_parts(v) ? v->settings.parts_width * v->window.scale : 0.0f;
     left = left < 0.6f * width ? left : 0.6f * width;
     float inner = height - top - bottom, middle = width - left - right;
     return (viewer_area){left, top, middle > 1.0f ? middle : 1.0f, inner > 1.0f ? inner : 1.0f};
+}
+
+bool panels_edge(const viewer* v, float x, float y)
+{
+    viewer_area a = v->picture_area;
+    return has_parts(v) && x >= a.x && x < a.x + edge_width * v->window.scale && y >= a.y &&
+           y < a.y + a.height && !gui_wants_mouse();
+}
+
+void panels_drag_edge(viewer* v, float x)
+{
+    v->settings.parts_width =
+        stp_clamp(x / v->window.scale, VIEWER_PARTS_WIDTH_MIN, VIEWER_PARTS_WIDTH_MAX);
+    viewer_redraw(v);
+}
+
+/// Shows that the edge of the panel of parts can be dragged.
+static void show_edge(viewer* v)
+{
+    int ux, uy;
+    viewer_area a = v->picture_area;
+    SDL_GetMouseState(&ux, &uy);
+    if (v->input.drag == DRAG_PARTS ||
+        (v->input.button == 0 &&
+         panels_edge(v, (float)ux * v->window.density, (float)uy * v->window.density))) {
+        gui_resize_cursor();
+        gui_line(a.x, a.y, a.x, a.y + a.height, 0x4DB3F2FF, 2.0f * v->window.scale);
+    }
 }
 
 static const char* file_name(const viewer* v)
@@ -155,7 +185,13 @@ static void show_panel_buttons(viewer* v)
 static void show_bar(viewer* v)
 {
     float scale = v->window.scale, whole = (float)v->window.width;
-    const char* name = v->file[0] != 0 ? file_name(v) : "Stipple";
+    char name[512] = "Stipple", more[32] = "";
+    if (v->more > 0) {
+        snprintf(more, sizeof(more), " and %zu more", v->more);
+    }
+    if (v->file[0] != 0) {
+        snprintf(name, sizeof(name), "%.400s%s", file_name(v), more);
+    }
     float width = gui_text_width("Parts") + gui_text_width("Open") + 48.0f * scale;
     for (int i = 0; i < PAGES; ++i) {
         width += gui_text_width(pages[i].label) + 24.0f * scale;
@@ -335,6 +371,7 @@ void panels_show(viewer* v)
             float top = bar_height(v);
             parts_show(v, 0.0f, top, v->picture_area.x,
                        (float)v->window.height - top - status_height(v));
+            show_edge(v);
         }
     }
     if (start_has_dialog(v)) {

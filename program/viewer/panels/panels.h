@@ -105,6 +105,9 @@ bool orientation_click(viewer* v, float x, float y);
 stp_scale_bar orientation_scale_bar(const viewer* v, const stp_navigator* n);
 void orientation_overlay(const viewer* v, const stp_navigator* n);
 
+// model_page.c
+void model_page_show(viewer* v); ///< the controls in the panel
+
 // saved_views.c
 void page_views(viewer* v);
 void views_begin(viewer* v); ///< for a new file
@@ -130,6 +133,11 @@ void record_name_file(const viewer* v, const char* ending, char* path, size_t si
 void shot_begin(viewer* v);
 void shot_step(viewer* v); ///< reports finished pictures
 void shot_end(viewer* v);
+
+// selection.c
+/// Tints the selected part in the picture, also where something hides it.
+void selection_overlay(viewer* v);
+void selection_end(viewer* v);
 
 // overlay.c
 void overlay_show(viewer* v);

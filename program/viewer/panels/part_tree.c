@@ -87,9 +87,13 @@ static void show_marks(viewer* v)
     if (gui_wide_button("Ghost", 3, "Make the selected part see-through (G)")) {
         explorer_mark_item(e, chosen, EXPLORER_GHOST);
     }
+    if (gui_wide_button("Ghost others", 2, "Make all other parts see-through (O)")) {
+        explorer_mark_item(e, chosen, EXPLORER_FOCUSED);
+    }
     gui_enable();
+    gui_same_line();
     gui_disable(e->mark_count == 0);
-    if (gui_wide_button("Show all", 1, "Show every part again (U)")) {
+    if (gui_wide_button("Show all", 2, "Show every part again (U)")) {
         explorer_show_all(e);
     }
     gui_enable();
@@ -210,24 +214,32 @@ void parts_show(viewer* v, float x, float y, float width, float height)
 
 bool parts_take_key(viewer* v, SDL_Keycode key)
 {
+    static const struct {
+        SDL_Keycode key;
+        explorer_how how;
+        const char* does;
+    } keys[] = {
+        {SDLK_x, EXPLORER_HIDDEN, "X hides it"},
+        {SDLK_i, EXPLORER_ISOLATED, "I shows it alone"},
+        {SDLK_g, EXPLORER_GHOST, "G makes it see-through"},
+        {SDLK_o, EXPLORER_FOCUSED, "O makes all others see-through"},
+    };
     explorer* e = v->explorer;
     if (e == NULL) {
         return false;
     }
-    switch (key) {
-    case SDLK_x:
-        explorer_mark_item(e, &e->chosen, EXPLORER_HIDDEN);
+    for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); ++i) {
+        if (key != keys[i].key) {
+            continue;
+        }
+        if (e->chosen.depth == 0) {
+            viewer_show_message(v, false, "No part is selected. Click one, then %s", keys[i].does);
+        }
+        explorer_mark_item(e, &e->chosen, keys[i].how);
         return true;
-    case SDLK_i:
-        explorer_mark_item(e, &e->chosen, EXPLORER_ISOLATED);
-        return true;
-    case SDLK_g:
-        explorer_mark_item(e, &e->chosen, EXPLORER_GHOST);
-        return true;
-    case SDLK_u:
-        explorer_show_all(e);
-        return true;
-    default:
-        return false;
     }
+    if (key == SDLK_u) {
+        explorer_show_all(e);
+    }
+    return key == SDLK_u;
 }

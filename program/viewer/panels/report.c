@@ -57,7 +57,8 @@ static json_t* describe_tools(const viewer* v)
     }
     stp_sections sections = section_make(v);
     return json_pack(
-        "{s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "chosen",
+        "{s:[I, I], s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "tinted",
+        (json_int_t)v->selection.mask.visible, (json_int_t)v->selection.mask.hidden, "chosen",
         describe_json_text(chosen), "search", describe_json_text(v->search), "rows",
         e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
         e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",
@@ -95,9 +96,10 @@ static json_t* describe_start(const viewer* v)
     for (size_t i = 0; recent != NULL && i < files->count; ++i) {
         json_array_append_new(recent, describe_json_text(files->paths[i]));
     }
-    return json_pack("{s:b, s:b, s:o, s:o, s:o}", "shown", (int)(v->file[0] == 0), "dialog",
+    return json_pack("{s:b, s:b, s:o, s:o, s:I, s:o}", "shown", (int)(v->file[0] == 0), "dialog",
                      (int)start_has_dialog(v), "folder", describe_json_text(start_folder(v)),
-                     "typed", describe_json_text(start_typed(v)), "recent", recent);
+                     "typed", describe_json_text(start_typed(v)), "listed",
+                     (json_int_t)start_listed(v), "recent", recent);
 }
 
 /// Handle positions of section planes and box, and offsets of planes.
@@ -159,6 +161,14 @@ static json_t* describe_splats(const viewer* v)
                      (json_int_t)splats_all(v), "places", places);
 }
 
+/// Up axis and unit of the scene shown.
+static json_t* describe_axes(const viewer* v)
+{
+    char up[2] = {v->scene != NULL ? v->scene->directory->up : 0, 0};
+    return json_pack("{s:s, s:f}", "up", up, "unit_metres",
+                     v->scene != NULL ? v->scene->directory->unit_metres : 0.0);
+}
+
 static json_t* describe(const viewer* v)
 {
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
@@ -167,22 +177,24 @@ static json_t* describe(const viewer* v)
     assert((size_t)v->news.state < sizeof(states) / sizeof(states[0]));
     assert(v->settings.page < PAGE_COUNT);
     return json_pack(
-        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
-        "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:i}",
-        "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
-        (json_int_t)v->news.serial, "rests", (int)(viewer_is_idle(v) && v->dirty <= 0), "complete",
-        (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
-        "shows", (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
-        (int)v->shows_panels, "parts", (int)v->settings.parts, "help", (int)v->shows_help,
-        "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "method",
-        describe_method(v), "message", describe_json_text(v->messages[0].text), "hint",
+        "{s:o, s:I, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, "
+        "s:o, "
+        "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:i, s:o}",
+        "file", describe_json_text(v->file), "inputs", (json_int_t)v->inputs.count, "loading",
+        states[v->news.state], "stores", (json_int_t)v->news.serial, "rests",
+        (int)(viewer_is_idle(v) && v->dirty <= 0), "complete", (int)v->news.complete, "scene",
+        (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows", (json_int_t)v->shows,
+        "page", page_names[v->settings.page], "panels", (int)v->shows_panels, "parts",
+        (int)v->settings.parts, "help", (int)v->shows_help, "backend",
+        v->picture != NULL && v->picture->gl ? "gl" : "cpu", "method", describe_method(v),
+        "message", describe_json_text(v->messages[0].text), "hint",
         messages_explain_empty(v) != NULL ? messages_explain_empty(v) : "", "camera",
         describe_camera(v), "picture", describe_picture(v), "color",
         point_color_name(v->look.color), "hides", (int)v->look.hides, "tools", describe_tools(v),
         "guides", describe_guides(v), "match", describe_match(v), "start", describe_start(v),
         "handles", describe_handles(v), "splats", describe_splats(v), "eye_dome",
-        (double)cloud_page_eye_dome(v), "point_sizing",
-        (int)v->settings.drawing.style.point_sizing);
+        (double)cloud_page_eye_dome(v), "point_sizing", (int)v->settings.drawing.style.point_sizing,
+        "axes", describe_axes(v));
 }
 
 void report_write(viewer* v, bool last)

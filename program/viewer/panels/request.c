@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Converts settings and camera to a request for the painter.
 #include "program/viewer/panels/panels.h"
+#include "select/sections.h"
 
 static stp_fovea make_fovea(const viewer_settings* s)
 {
@@ -39,6 +40,9 @@ paint_request request_make(viewer* v)
     cloud_page_give(v, &request);
     stp_navigator_write_view(&v->camera, &request.view);
     request.view.sections = section_make(v);
+    if (v->explorer != NULL) {
+        stp_sections_drop_idle(&request.view.sections, &v->scene->bounds, v->explorer->rounding);
+    }
     request.gl = viewer_uses_gl(v);
     point_style_give(v, &request);
     return request;

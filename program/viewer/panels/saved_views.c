@@ -66,7 +66,8 @@ static size_t list_objects(viewer* v, stp_shown_object* objects, char (*paths)[1
 {
     static const stp_shown_as as[] = {[EXPLORER_HIDDEN] = STP_SHOWN_HIDDEN,
                                       [EXPLORER_ISOLATED] = STP_SHOWN_ISOLATED,
-                                      [EXPLORER_GHOST] = STP_SHOWN_GHOST};
+                                      [EXPLORER_GHOST] = STP_SHOWN_GHOST,
+                                      [EXPLORER_FOCUSED] = STP_SHOWN_FOCUSED};
     explorer* e = v->explorer;
     size_t count = 0, all = e != NULL && e->ready ? e->mark_count : 0;
     for (size_t i = 0; i < all && count < OBJECTS_MAX; ++i) {
@@ -170,7 +171,8 @@ static void restore_things(viewer* v, const stp_viewpoint* p)
 {
     static const explorer_how how[] = {[STP_SHOWN_HIDDEN] = EXPLORER_HIDDEN,
                                        [STP_SHOWN_ISOLATED] = EXPLORER_ISOLATED,
-                                       [STP_SHOWN_GHOST] = EXPLORER_GHOST};
+                                       [STP_SHOWN_GHOST] = EXPLORER_GHOST,
+                                       [STP_SHOWN_FOCUSED] = EXPLORER_FOCUSED};
     explorer* e = v->explorer;
     if (e == NULL || !e->ready) {
         return;

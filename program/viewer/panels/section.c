@@ -36,7 +36,8 @@ stp_sections section_make(const viewer* v)
     const section_state* s = &v->section;
     stp_sections sections = {0};
     if (s->has_box && !stp_boxd_is_empty(s->box)) {
-        (void)stp_sections_add_box(&sections, &s->box);
+        (void)stp_sections_add_box(&sections, &s->box,
+                                   v->explorer != NULL ? v->explorer->rounding : 0.0);
     }
     for (int i = 0; i < s->plane_count; ++i) {
         const section_plane* p = &s->planes[i];
@@ -200,8 +201,9 @@ void page_section(viewer* v)
 
 void section_overlay(const viewer* v, const stp_navigator* n)
 {
-    if (v->section.has_box && v->settings.page == PAGE_SECTION) {
-        overlay_box(v, n, &v->section.box, 0xE6A040FF, 1.5f);
+    if (v->section.has_box) { // also without its panel: it shows that something may be cut away
+        bool edits = v->settings.page == PAGE_SECTION;
+        overlay_box(v, n, &v->section.box, edits ? 0xE6A040FF : 0xE6A040A0, edits ? 1.5f : 1.0f);
     }
     section_drag_overlay(v, n);
 }

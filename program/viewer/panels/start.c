@@ -2,6 +2,7 @@
 // The start page of a window without a file, and the file dialog, which does not depend on the
 // desktop.
 #define _XOPEN_SOURCE 700 // realpath
+#include "import/reading/import.h"
 #include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/panels/state.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TYPED_ROOM = 1024 };
+enum { TYPED_ROOM = 1024, PLACES_MAX = 4 };
 
 struct start_page {
     recent_files recent;
@@ -20,6 +21,7 @@ struct start_page {
     char typed[TYPED_ROOM];
     char message[512]; ///< why the typed path cannot be opened
     bool shown, focuses, shows_all;
+    bool filters;  ///< the typed text filters the entries
     size_t chosen; ///< selected entry of the folder; count: none
 };
 
@@ -107,22 +109,44 @@ const char* start_typed(const viewer* v)
     return v->start->typed;
 }
 
-/// Opens a file or enters a folder. Relative paths start at the folder shown; "~" is the home
-/// folder.
+/// The path that was typed. Relative paths start at the folder shown; "~" is the home folder.
+/// @return false if it is too long
+static bool find_path(const start_page* s, const char* typed, char path[PATH_MAX])
+{
+    const char* home = getenv("HOME");
+    if (typed[0] == '~' && (typed[1] == '/' || typed[1] == 0) && home != NULL) {
+        int length = snprintf(path, PATH_MAX, "%s%s", home, typed + 1);
+        return length > 0 && length < PATH_MAX;
+    }
+    if (typed[0] == '/' || program_is_scene(typed)) {
+        return snprintf(path, PATH_MAX, "%s", typed) < PATH_MAX;
+    }
+    return folder_join(&s->folder, typed, path);
+}
+
+/// Completes the last name of a typed path.
+static bool complete_typed(const char* typed, char* text, size_t size, void* user)
+{
+    const start_page* s = user;
+    const char* slash = strrchr(typed, '/');
+    int above = slash != NULL ? (int)(slash + 1 - typed) : 0;
+    char begun[PATH_MAX], path[PATH_MAX], name[TYPED_ROOM];
+    folder_list list = {0};
+    snprintf(begun, sizeof(begun), "%.*s", above, typed);
+    bool found = find_path(s, above > 0 ? begun : ".", path) &&
+                 folder_read(&list, path, s->shows_all) &&
+                 folder_complete(&list, typed + above, name, sizeof(name)) &&
+                 snprintf(text, size, "%s%s", begun, name) < (int)size;
+    folder_destroy(&list);
+    return found;
+}
+
+/// Opens a file or enters a folder.
 static void take_path(viewer* v, const char* typed)
 {
     start_page* s = v->start;
     char path[PATH_MAX], whole[PATH_MAX];
-    const char* home = getenv("HOME");
-    bool fits;
-    if (typed[0] == '~' && (typed[1] == '/' || typed[1] == 0) && home != NULL) {
-        int length = snprintf(path, sizeof(path), "%s%s", home, typed + 1);
-        fits = length > 0 && (size_t)length < sizeof(path);
-    } else if (typed[0] == '/' || program_is_scene(typed)) {
-        fits = snprintf(path, sizeof(path), "%s", typed) < PATH_MAX;
-    } else {
-        fits = folder_join(&s->folder, typed, path);
-    }
+    bool fits = find_path(s, typed, path);
     folder_list probe = {0};
     if (!fits) {
         snprintf(s->message, sizeof(s->message), "the path is too long");
@@ -152,10 +176,30 @@ static void print_bytes(char* text, size_t size, uint64_t bytes)
     snprintf(text, size, unit > 0 && value < 10.0 ? "%.1f %s" : "%.0f %s", value, units[unit]);
 }
 
+/// Entries that the typed text leaves. @return their number; `kept` receives their places
+static int filter_entries(const start_page* s, int kept[FOLDER_ENTRIES_MAX])
+{
+    bool filters = s->filters && strchr(s->typed, '/') == NULL && s->typed[0] != '~';
+    int count = 0;
+    for (size_t i = 0; i < s->folder.count; ++i) {
+        if (!filters || folder_filter(&s->folder.entries[i], s->typed)) {
+            kept[count++] = (int)i;
+        }
+    }
+    return count;
+}
+
+size_t start_listed(const viewer* v)
+{
+    static int kept[FOLDER_ENTRIES_MAX]; // used by the window thread only
+    return (size_t)filter_entries(v->start, kept);
+}
+
 static void show_entries(viewer* v)
 {
+    static int kept[FOLDER_ENTRIES_MAX]; // used by the window thread only
     start_page* s = v->start;
-    int count = (int)s->folder.count, first, last;
+    int count = filter_entries(s, kept), first, last;
     char opened[PATH_MAX] = "";
     float room =
         (float)v->window.height - 10.0f * gui_line_height(); // leaves room for the widgets around
@@ -163,7 +207,8 @@ static void show_entries(viewer* v)
     gui_list_begin("entries",
                    fminf(fmaxf(room, 3.0f * gui_line_height()), 320.0f * v->window.scale));
     gui_rows_begin(count, &first, &last);
-    for (int i = first; i < last; ++i) {
+    for (int row = first; row < last; ++row) {
+        int i = kept[row];
         const folder_entry* e = &s->folder.entries[i];
         char size[32] = "", name[300];
         if (!e->is_folder) {
@@ -175,6 +220,7 @@ static void show_entries(viewer* v)
         gui_pop_id();
         if ((clicked & GUI_ROW_CLICKED) != 0) {
             s->chosen = (size_t)i;
+            s->filters = false;
             snprintf(s->typed, sizeof(s->typed), "%s", e->name);
         }
         if ((clicked & GUI_ROW_DOUBLE) != 0 || ((clicked & GUI_ROW_CLICKED) != 0 && e->is_folder)) {
@@ -183,7 +229,7 @@ static void show_entries(viewer* v)
     }
     gui_rows_end(count, last);
     if (count == 0) {
-        gui_dim_text("No models in this folder");
+        gui_dim_text(s->folder.count > 0 ? "No name contains this" : "No models in this folder");
     } else if (s->folder.is_truncated) {
         gui_dim_text("First %d entries; type a name to open another", FOLDER_ENTRIES_MAX);
     }
@@ -191,6 +237,53 @@ static void show_entries(viewer* v)
     if (opened[0] != 0) {
         take_path(v, opened);
     }
+}
+
+/// The home folder, and those of recent files.
+static void show_places(viewer* v)
+{
+    start_page* s = v->start;
+    const char* home = getenv("HOME");
+    char go[PATH_MAX] = "";
+    if (home != NULL && home[0] == '/' && gui_button("Home", home)) {
+        snprintf(go, sizeof(go), "%s", home);
+    }
+    char shown[PLACES_MAX][PATH_MAX];
+    int count = 0;
+    for (size_t i = 0; i < s->recent.count && count < PLACES_MAX; ++i) {
+        char* folder = shown[count];
+        const char* path = s->recent.paths[i];
+        snprintf(folder, PATH_MAX, "%.*s", (int)(strrchr(path, '/') - path), path);
+        bool known = folder[0] == 0;
+        for (int k = 0; k < count && !known; ++k) {
+            known = strcmp(shown[k], folder) == 0;
+        }
+        if (known) {
+            continue;
+        }
+        if (count > 0 || home != NULL) {
+            gui_same_line();
+        }
+        gui_push_id(count++);
+        if (gui_name_toggle(strrchr(folder, '/') + 1, false, 0.0f, folder)) {
+            snprintf(go, sizeof(go), "%s", folder);
+        }
+        gui_pop_id();
+    }
+    if (go[0] != 0) {
+        go_to_folder(s, go);
+    }
+}
+
+/// Number of models in the folder shown.
+static size_t count_models(const start_page* s)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < s->folder.count; ++i) {
+        const folder_entry* e = &s->folder.entries[i];
+        count += !e->is_folder && stp_import_lists(e->name);
+    }
+    return count;
 }
 
 void start_dialog(viewer* v)
@@ -206,6 +299,7 @@ void start_dialog(viewer* v)
     }
     gui_same_line();
     gui_dim_text("%s", s->folder.path);
+    show_places(v);
     show_entries(v);
     gui_fill_width();
     if (s->focuses) {
@@ -214,7 +308,10 @@ void start_dialog(viewer* v)
     }
     const char* hint =
         program_get()->make_scene != NULL ? "File name, path or scene:NAME" : "File name or path";
-    (void)gui_input("##path", hint, s->typed, sizeof(s->typed), &entered);
+    if (gui_input_completed("##path", hint, s->typed, sizeof(s->typed), complete_typed, s,
+                            &entered)) {
+        s->filters = true;
+    }
     if (s->message[0] != 0) {
         gui_paragraph("%s", s->message);
     }
@@ -222,14 +319,23 @@ void start_dialog(viewer* v)
                   "List files of unknown formats too")) {
         go_to_folder(s, s->folder.path);
     }
+    size_t models = count_models(s);
     gui_disable(s->typed[0] == 0);
-    bool pressed = gui_wide_button("Open", 2, "Open this file (Enter)");
+    bool pressed = gui_wide_button("Open", 3, "Open this file (Enter)");
     gui_enable();
     gui_same_line();
-    if (gui_wide_button("Cancel", 2, "Escape")) {
+    gui_disable(models == 0);
+    bool all = gui_wide_button("Open folder", 3, "Open all models of this folder as one scene");
+    gui_enable();
+    gui_same_line();
+    if (gui_wide_button("Cancel", 3, "Escape")) {
         s->shown = false;
     }
     gui_panel_end();
+    if (all) {
+        s->shown = false;
+        viewer_open(v, s->folder.path);
+    }
     if ((pressed || entered) && s->typed[0] != 0) {
         char typed[TYPED_ROOM];
         snprintf(typed, sizeof(typed), "%s", s->typed);
@@ -297,7 +403,8 @@ void start_show(viewer* v)
     }
     gui_space();
     gui_text("Formats");
-    gui_dim_paragraph("%s", folder_formats);
+    char formats[1024];
+    gui_dim_paragraph("%s", folder_formats(formats, sizeof(formats)));
     gui_space();
     gui_dim_text("H: keys and mouse");
     gui_panel_end();

@@ -10,6 +10,8 @@
 #include "program/viewer/model/folder.h"
 #include "program/viewer/model/loader.h"
 #include "program/viewer/model/paint_thread.h"
+#include "program/viewer/model/part_mask.h"
+#include "program/viewer/model/path_list.h"
 #include "program/viewer/panels/viewer.h"
 #include "program/viewer/window/window.h"
 
@@ -44,6 +46,8 @@ bool start_has_dialog(const struct viewer* v);
 /// The folder shown by the dialog, and the text typed into it; "": none.
 const char* start_folder(const struct viewer* v);
 const char* start_typed(const struct viewer* v);
+/// Number of entries that the dialog lists.
+size_t start_listed(const struct viewer* v);
 /// Opens a recent file; a missing file is removed from the list. @return false if there is no such
 /// entry
 bool start_open_recent(struct viewer* v, size_t index);
@@ -68,7 +72,14 @@ typedef struct viewer_message {
 } viewer_message;
 
 /// The action of the pressed mouse button.
-typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK, DRAG_SECTION } drag_kind;
+typedef enum drag_kind {
+    DRAG_NONE,
+    DRAG_ORBIT,
+    DRAG_PAN,
+    DRAG_LOOK,
+    DRAG_SECTION,
+    DRAG_PARTS, ///< the edge of the panel of parts
+} drag_kind;
 
 typedef struct input_state {
     drag_kind drag;
@@ -113,6 +124,24 @@ typedef struct flight_record {
     size_t count, capacity;
 } flight_record;
 
+/// The last automatic framing. It is repeated when the picture gets another shape, as long as the
+/// user has not moved the camera.
+typedef struct framing_state {
+    bool on;
+    stp_outline_item part; ///< what was framed; depth 0: everything
+    uint32_t scene;        ///< serial of the framed scene
+    stp_navigator framed;  ///< the camera that it gave
+} framing_state;
+
+/// The selected part in the picture.
+typedef struct selection_state {
+    stp_outline_item item; ///< what the shape is of
+    uint32_t scene;        ///< serial; 0: no shape
+    uint64_t frame;        ///< of the picture that the mask belongs to
+    part_shape shape;
+    part_mask mask;
+} selection_state;
+
 typedef struct shot shot;
 
 /// Widgets for the number of splats.
@@ -132,7 +161,12 @@ typedef struct viewer {
     viewer_area picture_area;
     // the scene
     loader_news news;
-    char file[PATH_ROOM];                    ///< shown or being loaded
+    char file[PATH_ROOM]; ///< shown or being loaded: a file or a folder
+    size_t more;          ///< number of further files that were opened with it
+    path_list inputs;     ///< all files of the scene
+    path_list dropped;    ///< files of a drop that is not yet complete
+    char up;              ///< corrections of the inputs (scene_input)
+    double unit_metres;
     uint32_t opening;                        ///< serial that the painter is opening
     uint32_t former;                         ///< serials up to this one belong to the previous file
     uint32_t file_number, shown_file_number; ///< number of files so far; number of the shown one
@@ -143,6 +177,8 @@ typedef struct viewer {
     stp_navigator camera, glide_from, glide_to;
     double glide_start; ///< negative: no glide in progress
     bool has_camera;
+    framing_state framing;
+    selection_state selection;
     input_state input;
     // parts, sections, measures, viewpoints
     stp_context* context; ///< the window's own
@@ -181,7 +217,13 @@ typedef struct viewer {
 void viewer_redraw(viewer* v);
 /// Wakes the window, from any thread.
 void viewer_wake(void* viewer);
-void viewer_open(viewer* v, const char* path);
+void viewer_open(viewer* v, const char* path); ///< a file, or all models of a folder
+/// Opens files and the models of folders as one scene.
+void viewer_open_all(viewer* v, const char* const* paths, size_t count);
+/// Whether up axis and unit of the scene can be corrected: it is not built yet.
+bool viewer_can_correct(const viewer* v);
+/// Shows the same files with another up axis and unit (scene_input).
+void viewer_correct(viewer* v, char up, double unit_metres);
 void viewer_show_message(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 /// Whether everything is at rest: the picture is final.
@@ -201,6 +243,14 @@ bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point);
 bool camera_of_picture(const viewer* v, stp_navigator* n);
 stp_boxd camera_scene_box(const viewer* v);
 
+// framing.c
+/// Turns to a standard view of everything. @return false if no standard view has that name
+bool framing_face(viewer* v, const char* name, stp_navigator* to);
+/// Frames the selected part, or everything.
+void framing_frame(viewer* v, stp_navigator* to);
+/// Repeats the last framing if the picture has another shape.
+void framing_step(viewer* v);
+
 // input.c
 void input_take(viewer* v, const SDL_Event* event);
 /// Moves the camera by held keys and sticks.
@@ -214,6 +264,10 @@ void input_destroy(viewer* v);
 viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
+/// Whether the edge of the panel of parts, which can be dragged, is at a position of the window.
+bool panels_edge(const viewer* v, float x, float y);
+/// Moves that edge.
+void panels_drag_edge(viewer* v, float x);
 
 // statistics_pages.c
 void page_statistics(viewer* v);

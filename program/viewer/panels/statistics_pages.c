@@ -202,6 +202,9 @@ void page_quality(viewer* v)
     if (gui_section("Speed and quality", true)) {
         show_speed(v);
     }
+    if (gui_section("Model", false)) {
+        model_page_show(v);
+    }
     if (gui_section("Advanced", false)) {
         show_advanced(v);
     }
@@ -210,6 +213,7 @@ void page_quality(viewer* v)
         viewer_settings fresh = viewer_settings_default();
         fresh.page = s->page;
         fresh.parts = s->parts;
+        fresh.parts_width = s->parts_width;
         *s = fresh;
         v->look = (point_style){0};
     }

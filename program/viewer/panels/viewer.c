@@ -6,6 +6,7 @@
 
 #include "base/core/clock.h"
 #include "lod/method.h"
+#include "program/options/program.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
 
@@ -33,20 +34,77 @@ void viewer_wake(void* user)
     SDL_PushEvent(&event);
 }
 
-void viewer_open(viewer* v, const char* path)
+/// Starts loading the current inputs.
+static void load(viewer* v)
 {
-    snprintf(v->file, sizeof(v->file), "%s", path);
+    const scene_input input = {(const char* const*)v->inputs.paths, v->inputs.count, v->up,
+                               v->unit_metres};
     v->file_number += 1;
     v->former = v->opening;
     messages_clear(v);
     v->record.plays = false;
     views_begin(v);
-    loader_start(v->loader, v->file);
-    const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
-    char title[512];
-    snprintf(title, sizeof(title), "%s - Stipple", name);
+    if (!loader_start(v->loader, &input)) {
+        viewer_show_message(v, true, "not enough memory to load the file");
+    }
+    const char* slash = strrchr(v->file, '/');
+    char title[512], more[32] = "";
+    if (v->more > 0) {
+        snprintf(more, sizeof(more), " and %zu more", v->more);
+    }
+    snprintf(title, sizeof(title), "%.400s%s - Stipple", slash != NULL ? slash + 1 : v->file, more);
     SDL_SetWindowTitle(v->window.handle, title);
     viewer_redraw(v);
+}
+
+void viewer_open_all(viewer* v, const char* const* paths, size_t count)
+{
+    path_list inputs = {0};
+    bool good = count > 0;
+    for (size_t i = 0; i < count && good; ++i) {
+        good = path_list_expand(&inputs, paths[i]);
+    }
+    if (!good || inputs.count == 0) {
+        path_list_destroy(&inputs);
+        viewer_show_message(v, true,
+                            good ? "%s: the folder holds no models" : "%s: too many files to open",
+                            paths[0]);
+        return;
+    }
+    path_list_destroy(&v->inputs);
+    v->inputs = inputs;
+    v->more = count - 1;
+    snprintf(v->file, sizeof(v->file), "%s", paths[0]);
+    for (size_t end = strlen(v->file); end > 1 && v->file[end - 1] == '/'; --end) {
+        v->file[end - 1] = 0;
+    }
+    v->up = v->options.up;
+    v->unit_metres = v->options.unit_metres;
+    v->options.up = 0; // only for the first file
+    v->options.unit_metres = 0.0;
+    load(v);
+}
+
+void viewer_open(viewer* v, const char* path)
+{
+    viewer_open_all(v, &path, 1);
+}
+
+bool viewer_can_correct(const viewer* v)
+{
+    for (size_t i = 0; i < v->inputs.count; ++i) {
+        if (program_is_scene(v->inputs.paths[i]) || tool_is_store_file(v->inputs.paths[i])) {
+            return false;
+        }
+    }
+    return v->inputs.count > 0;
+}
+
+void viewer_correct(viewer* v, char up, double unit_metres)
+{
+    v->up = up;
+    v->unit_metres = unit_metres;
+    load(v);
 }
 
 bool viewer_is_idle(const viewer* v)
@@ -133,7 +191,9 @@ static void take_scene(viewer* v)
     explore(v, same_file);
     if (!same_file) {
         v->shown_file_number = number;
-        start_opened(v->start, v->file);
+        if (v->more == 0) {
+            start_opened(v->start, v->file);
+        }
         camera_begin(v);
         point_style_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
@@ -201,8 +261,11 @@ static void take_event(viewer* v, const SDL_Event* event)
     if (event->type == SDL_QUIT) {
         v->quits = true;
     } else if (event->type == SDL_DROPFILE) {
-        viewer_open(v, event->drop.file);
+        (void)path_list_add(&v->dropped, event->drop.file);
         SDL_free(event->drop.file);
+    } else if (event->type == SDL_DROPCOMPLETE && v->dropped.count > 0) {
+        viewer_open_all(v, (const char* const*)v->dropped.paths, v->dropped.count);
+        path_list_destroy(&v->dropped);
     }
     // dragging the scene does not change the panels
     if (event->type != SDL_MOUSEMOTION || v->input.drag == DRAG_NONE) {
@@ -266,6 +329,7 @@ static void step(viewer* v)
     v->camera.width = (uint32_t)v->picture_area.width;
     v->camera.height = (uint32_t)v->picture_area.height;
     assert(v->camera.width > 0 && v->camera.height > 0 && "panels leave room for a picture");
+    framing_step(v);
     camera_step(v, seconds);
     input_step(v, seconds);
     step_explorer(v);
@@ -375,8 +439,8 @@ int viewer_run(const viewer_options* options)
         !start(v)) {
         code = tool_error("cannot set up the window: out of memory");
         v->quits = true;
-    } else if (options->file != NULL) {
-        viewer_open(v, options->file);
+    } else if (options->file_count > 0) {
+        viewer_open_all(v, options->files, options->file_count);
     }
     input_begin();
     if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
@@ -400,6 +464,9 @@ int viewer_run(const viewer_options* options)
         views_end(v);
         stp_context_destroy(v->context);
     }
+    selection_end(v);
+    path_list_destroy(&v->inputs);
+    path_list_destroy(&v->dropped);
     input_destroy(v);
     gui_destroy();
     window_destroy(&v->window);

@@ -9,7 +9,10 @@
 #include <stipple/view.h>
 
 typedef struct viewer_options {
-    const char* file;           ///< NULL: start page
+    const char* const* files; ///< shown as one scene
+    size_t file_count;        ///< 0: start page
+    char up;                  ///< scene_input
+    double unit_metres;
     const char* view;           ///< name of the first view; NULL: iso
     uint32_t width, height;     ///< size of the window, in the display's units
     float scale;                ///< scale of text and panels; 0: that of the display

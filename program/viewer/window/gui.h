@@ -99,6 +99,11 @@ bool gui_choice(const char* label, int* value, const char* const* words, int cou
 bool gui_color(const char* label, float color[3], const char* tooltip);
 /// @return whether the text changed; *entered: whether Enter was pressed
 bool gui_input(const char* label, const char* hint, char* text, size_t size, bool* entered);
+/// Replaces what was typed by a completion, of at most `size` bytes. @return false if there is none
+typedef bool (*gui_completer)(const char* typed, char* text, size_t size, void* user);
+/// The same; Tab completes the text.
+bool gui_input_completed(const char* label, const char* hint, char* text, size_t size,
+                         gui_completer complete, void* user, bool* entered);
 void gui_focus_next(void); ///< gives the keyboard focus to the next widget
 
 enum {
@@ -144,6 +149,8 @@ void gui_polygon(const float* corners, int count, uint32_t fill, uint32_t rim);
 /// Text centred at a position, `size` times the normal size.
 void gui_letters(float x, float y, float size, const char* text, uint32_t color);
 void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim);
+void gui_fill(float x0, float y0, float x1, float y1, uint32_t fill); ///< a plain rectangle
+void gui_resize_cursor(void); ///< this frame's cursor shows that an edge can be dragged sideways
 /// Text on a background plate; its last line is centred at a position.
 void gui_plate(float x, float y, const char* text, uint32_t color);
 /// Same, left-aligned and as wide as there is room; its last line is at y. @return the height of

@@ -99,6 +99,16 @@ void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim
     list->AddRect(ImVec2(x0, y0), ImVec2(x1, y1), color_of(rim), 6.0f * gui_scale);
 }
 
+void gui_fill(float x0, float y0, float x1, float y1, uint32_t fill)
+{
+    ImGui::GetBackgroundDrawList()->AddRectFilled(ImVec2(x0, y0), ImVec2(x1, y1), color_of(fill));
+}
+
+void gui_resize_cursor(void)
+{
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+}
+
 static float show_plate(float x, float y, float share, float widest, const char* text,
                         uint32_t color)
 {

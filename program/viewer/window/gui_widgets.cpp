@@ -254,19 +254,49 @@ bool gui_color(const char* label, float color[3], const char* tooltip)
     return changed;
 }
 
-bool gui_input(const char* label, const char* hint, char* text, size_t size, bool* entered)
+namespace
+{
+struct completion {
+    gui_completer complete;
+    void* user;
+    size_t size;
+};
+} // namespace
+
+static int on_completion(ImGuiInputTextCallbackData* data)
+{
+    const completion* c = static_cast<const completion*>(data->UserData);
+    char* text = static_cast<char*>(ImGui::MemAlloc(c->size));
+    if (c->complete(data->Buf, text, c->size, c->user)) {
+        data->DeleteChars(0, data->BufTextLen);
+        data->InsertChars(0, text);
+    }
+    ImGui::MemFree(text);
+    return 0;
+}
+
+bool gui_input_completed(const char* label, const char* hint, char* text, size_t size,
+                         gui_completer complete, void* user, bool* entered)
 {
     gui_need_letters(text);
     char* before = static_cast<char*>(ImGui::MemAlloc(size));
     std::memcpy(before, text, size);
-    bool done =
-        ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_EnterReturnsTrue);
+    completion c = {complete, user, size};
+    ImGuiInputTextFlags flags = ImGuiInputTextFlags_EnterReturnsTrue;
+    flags |= complete != nullptr ? ImGuiInputTextFlags_CallbackCompletion : 0;
+    bool done = ImGui::InputTextWithHint(label, hint, text, size, flags,
+                                         complete != nullptr ? on_completion : nullptr, &c);
     bool changed = std::strncmp(before, text, size) != 0;
     ImGui::MemFree(before);
     if (entered != nullptr) {
         *entered = done;
     }
     return changed;
+}
+
+bool gui_input(const char* label, const char* hint, char* text, size_t size, bool* entered)
+{
+    return gui_input_completed(label, hint, text, size, nullptr, nullptr, entered);
 }
 
 void gui_focus_next(void)

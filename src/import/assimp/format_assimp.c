@@ -270,4 +270,10 @@ static stp_result read_foreign(stp_import* import)
     return result;
 }
 
-const stp_importer stp_importer_assimp = {.name = "assimp", .read = read_foreign, .fallback = true};
+const stp_importer stp_importer_assimp = {
+    .name = "assimp",
+    .title = "through assimp",
+    .listed = "fbx dae 3ds 3mf ifc x3d blend dxf x off lwo lws ac amf ase b3d bvh cob csm hmp iqm "
+              "irr irrmesh lxo md2 md3 md5mesh mdl ms3d nff ogex q3o q3s smd xgl zgl",
+    .read = read_foreign,
+    .fallback = true};

@@ -88,4 +88,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_e57 = {
-    .name = "e57", .extensions = "e57", .detect = detect, .read = read};
+    .name = "e57", .title = "E57", .extensions = "e57", .detect = detect, .read = read};

@@ -343,5 +343,8 @@ static stp_result read_gltf(stp_import* import)
     return result;
 }
 
-const stp_importer stp_importer_gltf = {
-    .name = "gltf", .extensions = "gltf glb", .detect = detect, .read = read_gltf};
+const stp_importer stp_importer_gltf = {.name = "gltf",
+                                        .title = "glTF 2.0",
+                                        .extensions = "gltf glb",
+                                        .detect = detect,
+                                        .read = read_gltf};

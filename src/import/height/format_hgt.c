@@ -223,4 +223,5 @@ static stp_result read(stp_import* import)
     return result;
 }
 
-const stp_importer stp_importer_hgt = {.name = "hgt", .extensions = "hgt", .read = read};
+const stp_importer stp_importer_hgt = {
+    .name = "hgt", .title = "SRTM heights", .extensions = "hgt", .read = read};

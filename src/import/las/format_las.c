@@ -91,5 +91,9 @@ static stp_result read(stp_import* import)
     return stp_las_import(import, POINTS_IN_SET);
 }
 
-const stp_importer stp_importer_las = {
-    .name = "las", .extensions = "las laz", .detect = detect, .read = read, .samples = true};
+const stp_importer stp_importer_las = {.name = "las",
+                                       .title = "LAS, LAZ, COPC",
+                                       .extensions = "las laz",
+                                       .detect = detect,
+                                       .read = read,
+                                       .samples = true};

@@ -167,4 +167,5 @@ static stp_result read(stp_import* import)
     return stp_obj_read(import, CHUNK_SIZE);
 }
 
-const stp_importer stp_importer_obj = {.name = "obj", .extensions = "obj", .read = read};
+const stp_importer stp_importer_obj = {
+    .name = "obj", .title = "OBJ", .extensions = "obj", .read = read};

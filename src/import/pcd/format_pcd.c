@@ -508,4 +508,4 @@ static bool detect(const unsigned char* bytes, size_t size)
 }
 
 const stp_importer stp_importer_pcd = {
-    .name = "pcd", .extensions = "pcd", .detect = detect, .read = read};
+    .name = "pcd", .title = "PCD", .extensions = "pcd", .detect = detect, .read = read};

@@ -421,4 +421,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_ply = {
-    .name = "ply", .extensions = "ply", .detect = detect, .read = read};
+    .name = "ply", .title = "PLY", .extensions = "ply", .detect = detect, .read = read};

@@ -90,6 +90,35 @@ static size_t skip_mark(stp_mapped_file* file)
     return mark;
 }
 
+const char* stp_importer_listed(const stp_importer* importer)
+{
+    const char* listed = importer->listed != NULL ? importer->listed : importer->extensions;
+    return importer->title != NULL && listed != NULL ? listed : "";
+}
+
+bool stp_import_lists(const char* path)
+{
+    for (const stp_importer* const* i = importers; *i != NULL; ++i) {
+        if (has_extension(path, stp_importer_listed(*i))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+const stp_importer* stp_import_listed(size_t place)
+{
+    for (int fallback = 0; fallback < 2; ++fallback) {
+        for (const stp_importer* const* i = importers; *i != NULL; ++i) {
+            bool counts = (*i)->fallback == (fallback != 0) && *stp_importer_listed(*i) != 0;
+            if (counts && place-- == 0) {
+                return *i;
+            }
+        }
+    }
+    return NULL;
+}
+
 bool stp_import_takes_columns(const char* path)
 {
     unsigned char bytes[PEEK_SIZE];
@@ -124,7 +153,12 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
     stp_scene* scene = import->scene;
     bool first = import->root == 0;
     assert(import->root < scene->object_count && "its root object was added");
-    double unit = unit_metres > 0.0 ? unit_metres : import->desc.unit_metres;
+    const stp_import_desc* desc = &import->desc;
+    double unit = unit_metres > 0.0 ? unit_metres : desc->unit_metres;
+    if (desc->corrects) {
+        up = desc->up != 0 ? desc->up : up;
+        unit = desc->unit_metres > 0.0 ? desc->unit_metres : unit;
+    }
     double scale = 1.0;
     import->unit_metres = unit;
     if (first) {

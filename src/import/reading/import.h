@@ -13,6 +13,8 @@ typedef struct stp_import_desc {
     /// negative axis; default: the format's convention
     char up;
     double unit_metres; ///< length of one input unit, if the input does not specify it; 0: unknown
+    /// `up` and `unit_metres`, where set, replace what the input specifies.
+    bool corrects;
     /// Columns of point texts: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order; NULL:
     /// detected from the header, or from number and values
     const char* columns;
@@ -48,6 +50,10 @@ typedef struct stp_import {
 typedef struct stp_importer {
     const char* name;       ///< as `info` prints it: "gltf"
     const char* extensions; ///< lower case, separated by spaces: "gltf glb"
+    const char* title;      ///< name for people: "glTF 2.0"; NULL: it only refuses
+    /// Extensions that lists of files show; NULL: `extensions`. Others of these mostly have other
+    /// content, such as "txt".
+    const char* listed;
     /// Whether the content has this format, by its first bytes; NULL: decided by extension only.
     bool (*detect)(const unsigned char* bytes, size_t size);
     /// Reads the file. On failure the message is already logged; the caller destroys the scene.
@@ -83,6 +89,15 @@ STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
 /// and the first bytes; the file may be missing.
 bool stp_import_takes_columns(const char* path);
 
+/// Extensions of an importer that lists of files show, separated by spaces; "" if it only refuses.
+const char* stp_importer_listed(const stp_importer* importer);
+/// Whether a file with this name is a model, by its extension: an importer lists it.
+bool stp_import_lists(const char* path);
+
+/// The importers that list extensions, in the order for people: those of many formats last. @return
+/// NULL if there is no importer `place`
+const stp_importer* stp_import_listed(size_t place);
+
 /// All importers, NULL at the end. Files that none of them claims go to assimp, if the build
 /// includes it.
 const stp_importer* const* stp_importers(void);
@@ -90,7 +105,8 @@ const stp_importer* const* stp_importers(void);
 // For importers:
 
 /// Sets the up axis of the file (as stp_import_desc.up) and the length of its unit (0: not
-/// specified, so desc.unit_metres applies), before objects are added. A format without an axis
+/// specified, so desc.unit_metres applies), before objects are added. With desc.corrects, what is
+/// set there replaces both. A format without an axis
 /// passes desc.up if it is set, else its usual axis. Without a call: desc.up or 'y',
 /// desc.unit_metres.
 void stp_import_set_axes(stp_import* import, char up, double unit_metres);

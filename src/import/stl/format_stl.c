@@ -301,4 +301,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_stl = {
-    .name = "stl", .extensions = "stl", .detect = detect, .read = read};
+    .name = "stl", .title = "STL", .extensions = "stl", .detect = detect, .read = read};

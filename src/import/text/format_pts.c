@@ -10,4 +10,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_pts = {
-    .name = "pts", .extensions = "pts", .read = read, .columns = true};
+    .name = "pts", .title = "PTS", .extensions = "pts", .read = read, .columns = true};

@@ -252,4 +252,5 @@ static stp_result read(stp_import* import)
     return result;
 }
 
-const stp_importer stp_importer_ptx = {.name = "ptx", .extensions = "ptx", .read = read};
+const stp_importer stp_importer_ptx = {
+    .name = "ptx", .title = "PTX", .extensions = "ptx", .read = read};

@@ -71,5 +71,9 @@ static stp_result read(stp_import* import)
     return stp_points_text_read(import, false);
 }
 
-const stp_importer stp_importer_xyz = {
-    .name = "xyz", .extensions = "xyz txt csv asc", .read = read, .columns = true};
+const stp_importer stp_importer_xyz = {.name = "xyz",
+                                       .title = "XYZ",
+                                       .extensions = "xyz txt csv asc",
+                                       .listed = "xyz csv asc",
+                                       .read = read,
+                                       .columns = true};
