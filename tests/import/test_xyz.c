@@ -379,10 +379,10 @@ void test_xyz_blocks_with_other_lines(test_state* test)
     stp_scene* scene = import_bytes(context, "a.xyz", text, size, &result);
     CHECK(scene != NULL);
     CHECK_EQUAL(points, scene->point_sets[0].point_count);
-    const float* at = scene->point_sets[0].positions;
+    const float *first = scene->point_sets[0].positions, *at = first;
     for (size_t i = 0; i < LINES; ++i) {
         if (i % 997 != 5) {
-            CHECK(at[0] == (float)i + 0.25f && at[1] == -(float)i &&
+            CHECK(at[0] - first[0] == (float)i && at[1] - first[1] == -(float)i &&
                   at[2] == (float)(i % 100) + 0.5f);
             at += 3;
         }

@@ -75,7 +75,8 @@ void test_split_ranges_divide_by_planes(test_state* test)
     for (size_t i = 0; i < 2; ++i) {
         context = test_context(NULL, 2, NULL);
         make_places(in_heap, counts[i]);
-        CHECK_EQUAL(STP_OK, stp_split_ranges(context, in_heap, counts[i], counts[i], PIECES, false, ends));
+        CHECK_EQUAL(STP_OK,
+                    stp_split_ranges(context, in_heap, counts[i], counts[i], PIECES, false, ends));
         CHECK(is_split(in_heap, counts[i]));
         stp_context_destroy(context);
     }

@@ -5,6 +5,7 @@
 #include "base/io/bytes.h"
 #include "base/math/math.h"
 #include "import/e57/e57.h"
+#include "import/reading/place_sample.h"
 #include "import/reading/scan_values.h"
 
 #include <assert.h>
@@ -268,27 +269,28 @@ static void find_limits(reader* r)
     }
 }
 
-// The first valid position chooses the origin.
+// The first valid positions choose the origin.
 static void set_origin(reader* r)
 {
     buffers* room = &r->rooms[0];
-    double place[3] = {0};
+    stp_place_sample places = {0};
+    double place[3];
     uint64_t count = r->scan->record_count;
-    for (uint64_t first = 0; first < count; first += RUN) {
+    for (uint64_t first = 0; first < count && places.count == 0; first += RUN) {
         size_t run = count - first < RUN ? (size_t)(count - first) : RUN;
         read_places(r, first, run, room);
         for (size_t i = 0; i < run; ++i) {
             bool valid = !has(r, STP_E57_INVALID) || room->values[STP_E57_INVALID][i] == 0.0;
             for (int k = 0; k < 3; ++k) {
                 place[k] = room->values[k][i];
-                valid = valid && isfinite(place[k]);
             }
             if (valid) {
-                stp_cloud_set_origin(&r->cloud, place);
-                return;
+                stp_place_sample_add(&places, place);
             }
         }
     }
+    stp_place_sample_choose(&places, place);
+    stp_cloud_set_origin(&r->cloud, place);
 }
 
 static uint32_t list_attributes(const reader* r)

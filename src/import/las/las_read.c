@@ -6,6 +6,7 @@
 #include "base/core/atomic_limits.h"
 #include "base/io/bytes.h"
 #include "import/las/laz.h"
+#include "import/reading/place_sample.h"
 
 #include <assert.h>
 #include <math.h>
@@ -15,7 +16,7 @@
 enum {
     RECORDS_IN_CHUNK = 1 << 16,
     RELEASE_EVERY = 64, // chunks, after which spilled pages are released
-    PROBES = 16,        // chunks whose first points say how wide colours are
+    PROBES = 16,        // chunks whose first points say how wide colours are, and where most lie
     PLAUSIBLE = 32      // points per compressed byte; sets that claim more are decoded to prove it
 };
 #define MAX_IN_SET ((uint64_t)UINT32_MAX - 1)
@@ -299,21 +300,53 @@ static stp_result probe_colors(reading* r)
     return STP_OK;
 }
 
-// The centre of the header's bounds, or the first point if that is outside them. In steps of the
-// scale.
-static void choose_origin(stp_las* las)
+// Positions from the first points of some chunks, in steps of the scale.
+static stp_result sample_places(const stp_las* las, stp_place_sample* places)
+{
+    size_t probes = las->chunk_count < PROBES ? las->chunk_count : PROBES;
+    worker w = {0};
+    bool good = prepare(las, &w);
+    for (size_t i = 0; i < probes && good; ++i) {
+        const stp_las_chunk* chunk = &las->chunks[i * las->chunk_count / probes];
+        size_t count = block_size(chunk->count), each = STP_PLACE_SAMPLES / probes;
+        if (count == 0 || !next_block(las, &w, chunk, 0, count)) {
+            continue;
+        }
+        for (size_t k = 0; k < each; ++k) {
+            const stp_las_block* block = w.block;
+            size_t p = k * count / each;
+            stp_place_sample_add(places, (double[3]){block->position[0][p], block->position[1][p],
+                                                     block->position[2][p]});
+        }
+    }
+    stp_laz_destroy(las, w.laz);
+    stp_free(las->context, w.block);
+    return good ? STP_OK : stp_fail_memory(las->context);
+}
+
+// The centre of the header's bounds, or the first point if that is outside them; a place among most
+// points if that is far away. In steps of the scale.
+static void choose_origin(stp_las* las, stp_place_sample* places)
 {
     assert(las->chunk_count > 0 && las->chunks[0].size >= las->record_size);
     const unsigned char* first = las->import->file.bytes + las->chunks[0].offset;
+    double sampled[3];
+    stp_place_sample_choose(places, sampled);
     for (int i = 0; i < 3; ++i) {
         int32_t step = (int32_t)stp_read_u32(first + 4 * i);
         double scale = las->scale[i], at = step * scale + las->offset[i];
         double middle = ((las->low[i] + las->high[i]) / 2.0 - las->offset[i]) / scale;
         double slack = fabs(scale);
         bool within = at >= las->low[i] - slack && at <= las->high[i] + slack;
-        bool good = within && fabs(middle) < 2147483647.0;
-        las->origin[i] = good ? (int32_t)middle : step;
+        double place = within && fabs(middle) < 2147483647.0 ? middle : step;
+        bool near = places->count == 0 || fabs((place - sampled[i]) * scale) < STP_PLACE_NEAR;
+        las->origin[i] = (int32_t)(near ? place : sampled[i]);
     }
+    double origin[3];
+    for (int i = 0; i < 3; ++i) {
+        origin[i] = las->origin[i] * las->scale[i] + las->offset[i];
+    }
+    stp_import_set_origin(las->import, origin);
 }
 
 stp_result stp_las_list_records(stp_las* las)
@@ -365,6 +398,10 @@ stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
 {
     stp_result result = las->compressed ? stp_laz_read_table(las) : stp_las_list_records(las);
     uint64_t maximum = las->import->desc.sample_points;
+    stp_place_sample places = {0};
+    if (result == STP_OK && las->chunk_count > 0) { // before a sample is taken: for both alike
+        result = sample_places(las, &places);
+    }
     if (result == STP_OK && maximum != 0) {
         result = stp_las_sample(las, maximum);
         if (result == STP_OK && las->chunk_count == 0) {
@@ -385,12 +422,7 @@ stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
     atomic_init(&r.bad_chunk, SIZE_MAX);
     atomic_init(&r.no_memory, false);
     atomic_init(&r.seen, 0);
-    choose_origin(las);
-    double origin[3];
-    for (int i = 0; i < 3; ++i) {
-        origin[i] = las->origin[i] * las->scale[i] + las->offset[i];
-    }
-    stp_import_set_origin(las->import, origin);
+    choose_origin(las, &places);
     result = read_all(&r, points_in_set);
     destroy_workers(&r);
     free_sets(&r);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Cuts OBJ text into chunks of whole lines and parses them on all threads.
 #include "import/obj/obj.h"
+#include "import/reading/place_sample.h"
 #include "import/reading/point_columns.h"
 
 #include <assert.h>
@@ -105,12 +106,14 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
     return STP_OK;
 }
 
-// The first finite position chooses the origin.
+// The first finite positions choose the origin.
 static void find_origin(stp_obj* obj)
 {
-    for (size_t i = 0; i < obj->chunk_count; ++i) {
+    stp_place_sample places = {0};
+    double middle[3];
+    for (size_t i = 0; i < obj->chunk_count && places.count < STP_PLACE_SAMPLES; ++i) {
         stp_text end = obj->chunks[i].end;
-        for (stp_text at = obj->chunks[i].begin; at < end;) {
+        for (stp_text at = obj->chunks[i].begin; at < end && places.count < STP_PLACE_SAMPLES;) {
             stp_text start = stp_skip_blanks(at);
             double n[3] = {0};
             if (start[0] == 'v' && stp_is_blank(start[1])) {
@@ -118,14 +121,16 @@ static void find_origin(stp_obj* obj)
                 for (int k = 0; k < 3 && next != NULL; ++k) {
                     next = stp_read_number(next, &n[k]);
                 }
-                if (next == NULL || (isfinite(n[0]) && isfinite(n[1]) && isfinite(n[2]))) {
-                    stp_import_choose_origin(n, obj->origin);
+                if (next == NULL) { // an error that the parser reports
                     return;
                 }
+                stp_place_sample_add(&places, n);
             }
             at = (stp_text)memchr(start, '\n', (size_t)(end - start)) + 1;
         }
     }
+    stp_place_sample_choose(&places, middle);
+    stp_import_choose_origin(middle, obj->origin);
 }
 
 // Reports the first error of the file, independent of threads.

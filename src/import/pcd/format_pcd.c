@@ -7,6 +7,7 @@
 #include "base/io/bytes.h"
 #include "import/pcd/pcd.h"
 #include "import/reading/cloud.h"
+#include "import/reading/place_sample.h"
 #include "import/reading/scan_values.h"
 #include "import/reading/surface.h"
 #include "import/text/text_blocks.h"
@@ -311,40 +312,45 @@ static seen read_once(reader* r)
     return all;
 }
 
-// The first finite position chooses the origin.
-static void set_origin(reader* r)
+static void sample_rows(const reader* r, stp_place_sample* places)
 {
-    double place[3] = {0};
-    for (size_t i = 0; i < r->pcd.point_count; ++i) {
-        bool finite = true;
+    size_t count = (size_t)r->pcd.point_count;
+    // spread over the file; where none of those is finite, others
+    for (size_t i = 0; i < count && (i < STP_PLACE_SAMPLES || places->count == 0); ++i) {
+        size_t row = i < STP_PLACE_SAMPLES ? stp_place_sample_index((uint32_t)i, count) : i;
+        double place[3];
         for (int k = 0; k < 3; ++k) {
-            place[k] = stp_pcd_value(r->base[k] + i * r->stride[k], r->slots[k]);
-            finite = finite && isfinite(place[k]);
+            place[k] = stp_pcd_value(r->base[k] + row * r->stride[k], r->slots[k]);
         }
-        if (finite) {
-            break;
-        }
+        stp_place_sample_add(places, place);
     }
-    stp_cloud_set_origin(&r->cloud, place);
 }
 
-static void set_origin_of_text(reader* r)
+static void sample_lines(const reader* r, stp_place_sample* places)
 {
     double v[SLOTS + 1] = {0};
     stp_line_cursor cursor = stp_line_cursor_at(&r->blocks, r->pcd.body_line);
-    for (uint64_t i = 0; i < r->pcd.point_count; ++i) {
+    for (uint64_t i = 0; i < r->pcd.point_count && places->count < STP_PLACE_SAMPLES; ++i) {
         stp_text at = cursor.at;
         for (uint32_t f = 0; f < r->pcd.field_count && at != NULL; ++f) {
             for (uint32_t k = 0; k < r->pcd.fields[f].count && at != NULL; ++k) {
                 at = stp_read_number(at, &v[r->column_slots[f]]);
             }
         }
-        if (at != NULL && isfinite(v[X]) && isfinite(v[Y]) && isfinite(v[Z])) {
-            break;
+        if (at != NULL) {
+            stp_place_sample_add(places, (double[3]){v[X], v[Y], v[Z]});
         }
         stp_line_cursor_next(&cursor);
     }
-    stp_cloud_set_origin(&r->cloud, v);
+}
+
+static void set_origin(reader* r)
+{
+    stp_place_sample places = {0};
+    double middle[3];
+    (r->pcd.encoding == STP_PCD_ASCII ? sample_lines : sample_rows)(r, &places);
+    stp_place_sample_choose(&places, middle);
+    stp_cloud_set_origin(&r->cloud, middle);
 }
 
 static stp_result fill_cloud(reader* r)
@@ -364,7 +370,7 @@ static stp_result fill_cloud(reader* r)
         return stp_fail_memory(context);
     }
     if (r->pcd.point_count > 0) {
-        (r->pcd.encoding == STP_PCD_ASCII ? set_origin_of_text : set_origin)(r);
+        set_origin(r);
     }
     guess_scales(r);
     seen all = read_once(r);

@@ -4,6 +4,7 @@
 // faces. Gaussian splatting files become points with the colour of the first coefficient. The
 // default up axis is y, as in the format's first models.
 #include "import/ply/ply.h"
+#include "import/reading/place_sample.h"
 #include "import/reading/point_columns.h"
 #include "import/reading/surface.h"
 
@@ -133,15 +134,32 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static bool is_finite(const double place[3])
+// Positions of the first rows, in full: the origin is their middle.
+typedef struct first_rows {
+    stp_place_sample sample;
+    double places[STP_PLACE_SAMPLES][3];
+    size_t wanted;
+} first_rows;
+
+// Chooses the origin with the last of the first rows, and moves their positions to it.
+static void note_first_row(stp_ply_vertices* v, size_t row, const double* n, first_rows* first)
 {
-    return isfinite(place[0]) && isfinite(place[1]) && isfinite(place[2]);
+    memcpy(first->places[row], n + STP_PLY_X, sizeof(first->places[row]));
+    stp_place_sample_add(&first->sample, first->places[row]);
+    if (row + 1 == first->wanted) {
+        double middle[3];
+        stp_place_sample_choose(&first->sample, middle);
+        stp_import_choose_origin(middle, v->origin);
+        for (size_t i = 0; i < 3 * first->wanted; ++i) {
+            v->positions[i] = (float)(first->places[i / 3][i % 3] - v->origin[i % 3]);
+        }
+    }
 }
 
 static stp_result read_rows_one_by_one(stp_ply_vertices* v, stp_ply_cursor* cursor)
 {
     const stp_ply_element* element = v->element;
-    bool placed = false;
+    first_rows first = {.wanted = v->count < STP_PLACE_SAMPLES ? v->count : STP_PLACE_SAMPLES};
     for (size_t row = 0; row < v->count; ++row) {
         double n[STP_PLY_SLOTS] = {0};
         for (size_t i = 0; i < element->property_count; ++i) {
@@ -163,14 +181,31 @@ static stp_result read_rows_one_by_one(stp_ply_vertices* v, stp_ply_cursor* curs
                 }
             }
         }
-        if (!placed && is_finite(n)) {
-            stp_import_choose_origin(n, v->origin);
-            placed = true;
-        }
         store_row(v, row, n);
+        if (row < first.wanted) {
+            note_first_row(v, row, n, &first);
+        }
         stp_ply_end_row(cursor);
     }
     return STP_OK;
+}
+
+// Positions from all over the file choose the origin; where none of those is finite, others.
+static void sample_rows(stp_ply_vertices* v)
+{
+    stp_place_sample sample = {0};
+    double place[3];
+    for (size_t i = 0; i < v->count && (i < STP_PLACE_SAMPLES || sample.count == 0); ++i) {
+        size_t row = i < STP_PLACE_SAMPLES ? stp_place_sample_index((uint32_t)i, v->count) : i;
+        const unsigned char* bytes = v->rows + row * v->element->row_size;
+        for (int k = 0; k < 3; ++k) {
+            place[k] =
+                stp_ply_value(bytes + v->slots[k]->offset, v->slots[k]->type, v->ply->encoding);
+        }
+        stp_place_sample_add(&sample, place);
+    }
+    stp_place_sample_choose(&sample, place);
+    stp_import_choose_origin(place, v->origin);
 }
 
 static stp_result read_vertices(stp_ply_vertices* v, stp_ply_cursor* cursor)
@@ -198,18 +233,7 @@ static stp_result read_vertices(stp_ply_vertices* v, stp_ply_cursor* cursor)
     }
     assert(v->count * element->row_size <= (size_t)(cursor->end - cursor->at) && "was checked");
     v->rows = cursor->at;
-    double first[3] = {0};
-    for (size_t row = 0; row < v->count; ++row) {
-        const unsigned char* bytes = v->rows + row * element->row_size;
-        for (int i = 0; i < 3; ++i) {
-            first[i] =
-                stp_ply_value(bytes + v->slots[i]->offset, v->slots[i]->type, v->ply->encoding);
-        }
-        if (is_finite(first)) {
-            break;
-        }
-    }
-    stp_import_choose_origin(first, v->origin);
+    sample_rows(v);
     stp_parallel_for(v->ply->context, v->count, GRAIN, read_rows, v);
     cursor->at += v->count * element->row_size;
     return STP_OK;

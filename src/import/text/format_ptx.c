@@ -3,6 +3,7 @@
 // PTX: a sequence of scans, each a grid of columns and rows with the scanner's position and one
 // line per cell. A cell at 0 0 0, the scanner itself, is empty. Normals come from neighbouring
 // cells. The default up axis is z.
+#include "import/reading/place_sample.h"
 #include "import/reading/scan_values.h"
 #include "import/reading/surface.h"
 #include "import/text/text_points.h"
@@ -145,19 +146,21 @@ static bool find_columns(const reader* r, stp_columns* columns)
 // The first point chooses the origin.
 static void set_origin(const reader* r, stp_cloud* cloud)
 {
+    stp_place_sample places = {0};
     double place[3] = {0};
     uint32_t count = cloud->set.point_count;
     if (count == 0) {
         return;
     }
     stp_line_cursor cursor = r->cells;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < count && places.count < STP_PLACE_SAMPLES; ++i) {
         bool whole = read_numbers_at(cursor.at, place, 3) == 3;
         if (whole && (place[0] != 0.0 || place[1] != 0.0 || place[2] != 0.0)) {
-            break;
+            stp_place_sample_add(&places, place);
         }
         stp_line_cursor_next(&cursor);
     }
+    stp_place_sample_choose(&places, place);
     stp_cloud_set_origin(cloud, place);
 }
 

@@ -38,7 +38,7 @@ static stp_result read_points(stp_import* import, const stp_text_blocks* blocks,
     if (result != STP_OK) {
         return result;
     }
-    stp_cloud_set_origin(cloud, found.first);
+    stp_cloud_set_origin(cloud, found.place);
     stp_text_points points = {.cloud = cloud,
                               .blocks = blocks,
                               .columns = found.columns,

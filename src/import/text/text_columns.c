@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/text/text_columns.h"
 
+#include "import/reading/place_sample.h"
 #include "import/reading/scan_values.h"
 
 #include <assert.h>
@@ -427,6 +428,7 @@ static void choose_columns(const stp_text_blocks* blocks, const beginning* b, co
 
 static void measure(const samples* s, stp_columns_found* found)
 {
+    uint32_t place[4] = {0}; // columns of x, y, z, and others
     assert(s->count > 0 && found->columns.count <= s->columns);
     found->ranges = stp_column_ranges_empty();
     for (uint32_t c = 0; c < found->columns.count; ++c) {
@@ -437,10 +439,15 @@ static void measure(const samples* s, stp_columns_found* found)
         }
         bool color = role >= STP_COLUMN_R && role <= STP_COLUMN_B;
         found->color_fractions = found->color_fractions || (color && any_fraction(s, c, 1));
-        if (role <= STP_COLUMN_Z) {
-            found->first[role] = s->rows[0].values[c];
-        }
+        place[role <= STP_COLUMN_Z ? role : 3] = c;
     }
+    stp_place_sample places = {0};
+    for (uint32_t i = 0; i < STP_PLACE_SAMPLES; ++i) {
+        const double* values = s->rows[stp_place_sample_index(i, s->count)].values;
+        stp_place_sample_add(&places,
+                             (double[3]){values[place[0]], values[place[1]], values[place[2]]});
+    }
+    stp_place_sample_choose(&places, found->place);
 }
 
 stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks, bool intensity_first,

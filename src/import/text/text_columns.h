@@ -61,7 +61,7 @@ typedef struct stp_columns_found {
     stp_columns columns;
     uint64_t first_line;      ///< index of the first line of points, from 0
     uint64_t declared;        ///< points by the count lines before that
-    double first[3];          ///< the first position
+    double place[3];          ///< among most points (import/reading/place_sample.h)
     bool color_fractions;     ///< a colour is written with a point or an exponent
     stp_column_ranges ranges; ///< ranges of the sampled lines
 } stp_columns_found;
