@@ -72,10 +72,7 @@ void test_assimp_amf_has_its_unit(test_state* test)
     static const struct {
         const char* attribute;
         double metres;
-    } cases[] = {{" unit=\"inch\"", 0.0254},
-                 {" unit='feet' version=\"1.1\"", 0.3048},
-                 {" unit=\"inches\"", 0.001},
-                 {"", 0.001}};
+    } cases[] = {{" unit=\"inch\"", 0.0254}, {" unit='feet' version=\"1.1\"", 0.3048}, {"", 0.001}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         char text[1024];
         snprintf(text, sizeof(text),
