@@ -167,6 +167,9 @@ static uint32_t texture_of(const stp_3mf* m, const stp_3mf_triangle* t)
 // Each run of triangles with the same picture becomes a mesh.
 static stp_result add_meshes(stp_3mf* m, const stp_3mf_object* object, uint32_t* plain)
 {
+    if (object->triangle_count == 0) {
+        return STP_OK;
+    }
     const stp_3mf_triangle* t = m->triangles + object->first_triangle;
     stp_result result = STP_OK;
     for (size_t i = 0; i < object->triangle_count && result == STP_OK;) {
@@ -219,7 +222,7 @@ static stp_result add_object(stp_3mf* m, const stp_3mf_use* use, uint32_t* plain
     }
     object->open = true;
     stp_result result = STP_OK;
-    const stp_3mf_use* uses = m->uses + object->first_use;
+    const stp_3mf_use* uses = object->use_count > 0 ? m->uses + object->first_use : NULL;
     for (size_t i = 0; i < object->use_count && result == STP_OK; ++i) {
         result = add_object(m, &uses[i], plain, depth + 1);
     }
