@@ -66,3 +66,28 @@ void test_assimp_warns_of_lost_precision(test_state* test)
         stp_context_destroy(context);
     }
 }
+
+void test_assimp_amf_has_its_unit(test_state* test)
+{
+    static const struct {
+        const char* attribute;
+        double metres;
+    } cases[] = {{" unit=\"inch\"", 0.0254}, {" unit='feet' version=\"1.1\"", 0.3048}, {"", 0.001}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        char text[1024];
+        snprintf(text, sizeof(text),
+                 "<?xml version=\"1.0\"?><amf%s><object id=\"1\"><mesh><vertices><vertex>"
+                 "<coordinates><x>0</x><y>0</y><z>0</z></coordinates></vertex><vertex><coordinates>"
+                 "<x>1</x><y>0</y><z>0</z></coordinates></vertex><vertex><coordinates><x>0</x>"
+                 "<y>1</y><z>0</z></coordinates></vertex></vertices><volume><triangle><v1>0</v1>"
+                 "<v2>1</v2><v3>2</v3></triangle></volume></mesh></object></amf>",
+                 cases[i].attribute);
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_result result;
+        stp_scene* scene = import_bytes(context, "a.amf", text, strlen(text), &result);
+        CHECK_EQUAL(STP_OK, result);
+        CHECK(scene->unit_metres == cases[i].metres);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}

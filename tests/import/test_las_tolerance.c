@@ -39,8 +39,8 @@ void test_las_names_of_feet_correct_their_factor(test_state* test)
 void test_las_geocentric_systems_are_metric(test_state* test)
 {
     static const char* const metric[] = {
-        "GEODCRS[\"W\",DATUM[\"d\",ELLIPSOID[\"e\",6378137,298,LENGTHUNIT[\"foot\",0.3]]],"
-        "CS[Cartesian,3],AXIS[\"(X)\",geocentricX],LENGTHUNIT[\"metre\",1]]",
+        ("GEODCRS[\"W\",DATUM[\"d\",ELLIPSOID[\"e\",6378137,298,LENGTHUNIT[\"foot\",0.3]]],"
+         "CS[Cartesian,3],AXIS[\"(X)\",geocentricX],LENGTHUNIT[\"metre\",1]]"),
         "GEODCRS[\"W\",CS[Cartesian,3],AXIS[\"(X)\",geocentricX]]", "GEOCCS[\"W\",DATUM[\"d\"]]",
         "GEOCCS[\"W\",UNIT[\"metre\",1]]"};
     for (int i = 0; i < 4; ++i) {

@@ -109,8 +109,8 @@ void test_e57_colors_without_limits(test_state* test)
 {
     static const char* const fields[] = {
         "<colorRed type=\"Float\"/><colorGreen type=\"Float\"/><colorBlue type=\"Float\"/>",
-        "<colorRed type=\"Float\" minimum=\"-1.7e308\" maximum=\"1.7e308\"/>"
-        "<colorGreen type=\"Float\"/><colorBlue type=\"Float\"/>",
+        ("<colorRed type=\"Float\" minimum=\"-1.7e308\" maximum=\"1.7e308\"/>"
+         "<colorGreen type=\"Float\"/><colorBlue type=\"Float\"/>"),
         "<colorRed type=\"Integer\"/><colorGreen type=\"Integer\"/><colorBlue type=\"Integer\"/>"};
     static const double factors[] = {1.0, 1.0 / 255.0, 257.0};
     for (int i = 0; i < 9; ++i) {

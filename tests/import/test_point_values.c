@@ -14,7 +14,7 @@ static uint64_t bits_of(double value)
 }
 
 // Times of a cloud of which all but the first and the last are invalid.
-static const double times[COUNT] = {3.5, NAN, INFINITY, -1.7e308, 1.7e308, -7.0};
+static const double times[COUNT] = {3.5, (double)NAN, (double)INFINITY, -1.7e308, 1.7e308, -7.0};
 
 static void check_times(test_state* test, const char* name, const void* bytes, size_t size)
 {
@@ -58,7 +58,8 @@ void test_point_times_of_las_are_finite(test_state* test)
 
 void test_point_times_without_a_valid_one_are_dropped(test_state* test)
 {
-    static const double bad[COUNT] = {NAN, NAN, INFINITY, -INFINITY, 1e300, -1e300};
+    static const double bad[COUNT] = {(double)NAN,       (double)NAN, (double)INFINITY,
+                                      -(double)INFINITY, 1e300,       -1e300};
     las_buffer file = write_las(bad, LAS_RAW);
     test_log log = {0};
     stp_context* context = test_context(NULL, 2, &log);

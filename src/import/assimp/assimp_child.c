@@ -147,9 +147,37 @@ static int has_extension(const char* path, const char* words)
     return found != NULL && found[-1] == ' ' && found[length] == ' ';
 }
 
-// Remaining axis and unit conversion. Most of assimp's readers already turn z up to y up.
-static void put_axes(stp_assimp_writer* w, const char* path)
+// Metres of the unit in the first tag of an AMF file; millimetres if it has none. assimp ignores it.
+static double amf_unit(const unsigned char* bytes, size_t size)
 {
+    static const struct {
+        const char* name;
+        double metres;
+    } units[] = {{"inch", 0.0254}, {"feet", 0.3048}, {"meter", 1.0}, {"micron", 1e-6}};
+    char head[1024] = {0};
+    size_t length = size < sizeof(head) ? size : sizeof(head) - 1;
+    if (length > 0) {
+        memcpy(head, bytes, length);
+    }
+    char* tag = strstr(head, "<amf");
+    char* end = tag != NULL ? strchr(tag, '>') : NULL;
+    if (end != NULL) {
+        *end = '\0';
+    }
+    const char* unit = end != NULL ? strstr(tag, "unit=") : NULL;
+    for (size_t i = 0; unit != NULL && i < sizeof(units) / sizeof(units[0]); ++i) {
+        size_t name = strlen(units[i].name);
+        if (strncmp(unit + 6, units[i].name, name) == 0 && unit[6 + name] == unit[5]) {
+            return units[i].metres;
+        }
+    }
+    return 0.001;
+}
+
+// Remaining axis and unit conversion. Most of assimp's readers already turn z up to y up.
+static void put_axes(stp_assimp_writer* w, const stp_assimp_files* files)
+{
+    const char* path = files->path;
     uint32_t up = 0; // unknown
     double unit = 0.0;
     if (has_extension(path, " fbx ")) {
@@ -161,9 +189,9 @@ static void put_axes(stp_assimp_writer* w, const char* path)
     } else if (has_extension(path, " x3d x3db wrl vrml gltf ")) {
         up = 'y';
         unit = 1.0;
-    } else if (has_extension(path, " 3mf amf ")) {
+    } else if (has_extension(path, " amf ")) {
         up = 'z';
-        unit = 0.001;
+        unit = amf_unit(files->bytes, files->size);
     } else if (has_extension(path, " dxf ")) {
         up = STP_ASSIMP_TURNED_Z;
     } else if (has_extension(path, " blend ")) {
@@ -194,11 +222,11 @@ static void put_losses(stp_assimp_writer* w)
     stp_assimp_put(w, &losses, sizeof(losses));
 }
 
-static void put_scene(stp_assimp_writer* w, const char* path)
+static void put_scene(stp_assimp_writer* w, const stp_assimp_files* files)
 {
     const struct aiScene* scene = w->scene;
     stp_assimp_put_u32(w, STP_ASSIMP_SCENE);
-    put_axes(w, path);
+    put_axes(w, files);
     stp_assimp_put_u32(w, scene->mNumTextures);
     for (unsigned i = 0; i < scene->mNumTextures; ++i) {
         stp_assimp_put_texture(w, scene->mTextures[i]);
@@ -230,7 +258,7 @@ static void put_refusals(stp_assimp_writer* w, const stp_assimp_files* files)
     }
 }
 
-static void put_result(stp_assimp_writer* w, const char* path, const stp_assimp_files* files)
+static void put_result(stp_assimp_writer* w, const stp_assimp_files* files)
 {
     stp_assimp_put_u32(w, STP_ASSIMP_MAGIC);
     put_refusals(w, files);
@@ -239,7 +267,7 @@ static void put_result(stp_assimp_writer* w, const char* path, const stp_assimp_
         stp_assimp_put_u32(w, STP_ASSIMP_FAILED);
         stp_assimp_put_text(w, reason, strlen(reason));
     } else {
-        put_scene(w, path);
+        put_scene(w, files);
     }
     flush(w);
 }
@@ -260,6 +288,6 @@ int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t si
     unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType |
                      aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs;
     w->scene = aiImportFileExWithProperties(path, flags, &files.io, properties);
-    put_result(w, path, &files);
+    put_result(w, &files);
     return w->failed; // the process' exit frees all memory
 }

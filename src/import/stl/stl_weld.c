@@ -29,15 +29,23 @@ static size_t first_slot(const stp_weld* weld, const corner_key* key)
 {
     assert(weld->slot_count > 0 && (weld->slot_count & (weld->slot_count - 1)) == 0);
     stp_hash seed = {.low = (uint64_t)(uintptr_t)weld};
-    return stp_hash_bytes(seed, key, sizeof(*key)).low & (weld->slot_count - 1);
+    stp_hash hash = weld->coding == STP_STL_PLAIN
+                        ? stp_hash_bytes(seed, &key->place, sizeof(key->place))
+                        : stp_hash_bytes(seed, key, sizeof(*key));
+    return hash.low & (weld->slot_count - 1);
+}
+
+static uint32_t color_of(const stp_weld* weld, size_t corner)
+{
+    return weld->coding != STP_STL_PLAIN ? stp_stl_color_bits(weld->coding, weld->facets, corner)
+                                         : 0;
 }
 
 static corner_key key_of(const stp_weld* weld, uint32_t entry)
 {
     assert(entry < (weld->facets != NULL ? weld->index_count : weld->vertex_count));
     if (weld->facets != NULL) {
-        return (corner_key){stp_stl_corner(weld->facets, entry),
-                            stp_stl_color_bits(weld->coding, weld->facets, entry)};
+        return (corner_key){stp_stl_corner(weld->facets, entry), color_of(weld, entry)};
     }
     const float* p = weld->positions + 3 * (size_t)entry;
     return (corner_key){.place = {p[0], p[1], p[2]}};
@@ -117,15 +125,12 @@ stp_result stp_weld_add(stp_weld* weld, stp_vec3 place)
     }
     assert(2 * weld->vertex_count < weld->slot_count && "searches end at a free slot");
     uint32_t* indices = weld->indices;
-    corner_key key = {.place = place};
-    if (weld->facets != NULL) {
-        key.color = stp_stl_color_bits(weld->coding, weld->facets, weld->index_count);
-    }
+    corner_key key = {.place = place, .color = color_of(weld, weld->index_count)};
     size_t slot = first_slot(weld, &key);
     for (uint32_t found; (found = weld->slots[slot]) != 0;
          slot = (slot + 1) & (weld->slot_count - 1)) {
         corner_key other = key_of(weld, found - 1);
-        if (memcmp(&key, &other, sizeof(key)) == 0) {
+        if (memcmp(&place, &other.place, sizeof(place)) == 0 && key.color == other.color) {
             indices[weld->index_count++] = weld->facets != NULL ? indices[found - 1] : found - 1;
             return STP_OK;
         }
