@@ -374,15 +374,16 @@ const command command_scan = {
         "normal, facing the scanner; the object (one use of a mesh); and the range error, "
         "positive if the point is too far away.\n\n"
         "The same input, options and seed give the same bytes with any number of threads.",
-    .examples = "Scan a city from five stations, as LAS:\n"
-                "$ stipple-lab scan scene:city-small --stations 5 -o city.las\n"
-                "Scan more finely, with more noise and map coordinates:\n"
-                "$ stipple-lab scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
-                "389000,5820000,34 -o hall.e57\n"
-                "Scan terrain from the air:\n"
-                "$ stipple-lab scan scene:terrain --airborne --stations 6 -o terrain.las\n"
-                "Write the truth too, from a given position:\n"
-                "$ stipple-lab scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
+    .examples =
+        "Scan a city from five stations, as LAS:\n"
+        "$ stipple-lab scan scene:city-small -o city.las --stations 5\n"
+        "Scan more finely, with more noise and map coordinates:\n"
+        "$ stipple-lab scan hall.glb -o hall.e57 --stations 3 --resolution 0.05 --noise 0.005 "
+        "--shift 389000,5820000,34\n"
+        "Scan terrain from the air:\n"
+        "$ stipple-lab scan scene:terrain -o terrain.las --airborne --stations 6\n"
+        "Write the truth too, from a given position:\n"
+        "$ stipple-lab scan scene:forest -o forest.ply --station 0,0,2 --truth\n",
     .files = "OUT.las\tLAS 1.4, point format 7, in millimetres\n"
              "OUT.ptx\ttext: the grid and pose of each station, misses as zeros\n"
              "OUT.e57\tE57: one scan per station, with pose, rows and columns\n"

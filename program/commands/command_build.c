@@ -410,6 +410,10 @@ static int run(int argc, char** argv)
     if (argc < 1) {
         return tool_usage_error("build needs at least one input");
     }
+    int streams = tool_check_inputs(argc, argv);
+    if (streams != 0) {
+        return streams;
+    }
     const stp_method* chosen[STP_METHOD_COUNT];
     uint32_t count = choose_methods(chosen);
     if (count == 0) {

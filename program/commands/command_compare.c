@@ -220,7 +220,7 @@ const command command_compare = {
         "$ stipple render plant.stip -o truth.png --reference --supersample 4\n"
         "$ stipple render plant.stip -o exact.png --reference --supersample 1\n"
         "$ stipple compare frame.png truth.png --exact exact.png\n",
-    .files = "A.png, B.png\tPNG files of the same size\n"
+    .files = "A.png, B.png\tpictures of the same size: PNG, JPEG or WebP\n"
              "M.png\ta mask; its black pixels are ignored\n",
     .options = options,
     .run = run,

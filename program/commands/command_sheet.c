@@ -292,7 +292,8 @@ const command command_sheet = {
     .name = "sheet",
     .arguments = "PICTURE[=CAPTION]... -o SHEET.png",
     .summary = "put pictures and plots of flights on one contact sheet",
-    .text = "Arranges pictures (PNG) in rows of --columns, each above its caption. Captions may "
+    .text = "Arranges pictures (PNG, JPEG or WebP) in rows of --columns, each above its caption. "
+            "Captions may "
             "contain line breaks. An argument / starts a new row.\n\n"
             "An argument that ends in .json is the output of `stipple fly --json`. The frame times "
             "of consecutive .json arguments are plotted together across the sheet, with the budget "
@@ -302,7 +303,7 @@ const command command_sheet = {
                 "Show two rows, and the times of two flights:\n"
                 "$ stipple sheet a.png b.png / c.png splats.json=splats all.json=triangles -o "
                 "sheet.png\n",
-    .files = "PICTURE\tPNG files\n"
+    .files = "PICTURE\tPNG, JPEG or WebP files\n"
              "FLIGHT.json\toutput of stipple fly --json\n"
              "SHEET.png\tthe sheet, opaque\n",
     .options = options,

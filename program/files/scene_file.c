@@ -390,8 +390,27 @@ int tool_take_columns(const char* names, int input_count, char** inputs)
     return 0;
 }
 
+int tool_check_inputs(int input_count, char** inputs)
+{
+    for (int i = 0; i < input_count; ++i) {
+        bool streams = (strcmp(inputs[i], "-") == 0 && access("-", F_OK) != 0) ||
+                       strcmp(inputs[i], "/dev/stdin") == 0 ||
+                       strncmp(inputs[i], "/dev/fd/", 8) == 0;
+        if (streams) {
+            return tool_usage_error("a model cannot come from standard input: its name tells the "
+                                    "format, and files beside it may belong to it; write it to a "
+                                    "file first");
+        }
+    }
+    return 0;
+}
+
 int tool_take_axes(const model_axes* axes, int input_count, char** inputs)
 {
+    int code = tool_check_inputs(input_count, inputs);
+    if (code != 0) {
+        return code;
+    }
     bool any = axes->has_up || axes->has_unit;
     for (int i = 0; any && i < input_count; ++i) {
         if (program_is_scene(inputs[i])) {

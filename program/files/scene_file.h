@@ -72,8 +72,11 @@ STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const scene_in
 /// code of a usage error if the list is invalid or applies to none of the inputs
 int tool_take_columns(const char* names, int input_count, char** inputs);
 
+/// Refuses standard input as a model. @return 0, or the code of a usage error
+int tool_check_inputs(int input_count, char** inputs);
+
 /// Corrects the up axis and the unit of all models imported or built from now on. @return 0, or the
-/// code of a usage error if the inputs are not models
+/// code of a usage error if the inputs are not models, or tool_check_inputs refuses them
 int tool_take_axes(const model_axes* axes, int input_count, char** inputs);
 
 /// Imports a model or makes a named scene (scene:NAME), and finishes it. The caller destroys it

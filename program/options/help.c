@@ -157,8 +157,8 @@ void help_print_overview(FILE* stream)
 
 void help_print_command(FILE* stream, const command* c, bool all)
 {
-    fprintf(stream, "Usage: %s %s [OPTION]...", program_get()->name, c->name);
-    fprintf(stream, "%s%s\n", *c->arguments != 0 ? " " : "", c->arguments);
+    fprintf(stream, "Usage: %s %s", program_get()->name, c->name);
+    fprintf(stream, "%s%s [OPTION]...\n", *c->arguments != 0 ? " " : "", c->arguments);
     print_wrapped(stream, c->summary, 0, 0);
     if (c->text != NULL && *c->text != 0) {
         putc('\n', stream);

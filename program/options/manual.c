@@ -291,13 +291,12 @@ void manual_print(FILE* stream, const command* c)
     print_line(stream, name, strlen(name));
     fputs(".Cm ", stream);
     print_line(stream, c->name, strlen(c->name));
-    fputs(".Op Ar option ...\n", stream);
     if (*c->arguments != 0) {
         fputs(".Ar ", stream);
         print_quoted(stream, c->arguments);
         putc('\n', stream);
     }
-    fputs(".Sh DESCRIPTION\n", stream);
+    fputs(".Op Ar option ...\n.Sh DESCRIPTION\n", stream);
     print_paragraphs(stream, c->text != NULL && *c->text != 0 ? c->text : c->summary);
     fputs(".Sh OPTIONS\n", stream);
     print_options(stream, options_of(c));

@@ -159,8 +159,9 @@ void progress_report_at(progress_state* state, const stp_progress_report* report
     }
     if (state->style == PROGRESS_JSON) {
         print_line(state, now_ms);
-    } else if (now_ms - state->shown_ms >= INTERVAL_MS) {
-        draw_bar(state); // quick successions of stages are not shown
+    } else if (now_ms - state->shown_ms >= INTERVAL_MS ||
+               (state->drawn && overall_fraction(report) >= 1.0 && ended)) {
+        draw_bar(state); // quick successions of stages are not shown, but for the end of all
     } else {
         return;
     }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "base/io/file.h"
+#include "image/image_codecs.h"
 #include "program/present/picture_file.h"
 
 #include <stdio.h>
@@ -28,16 +30,33 @@ static stp_result read_stdin(stp_context* context, unsigned char** bytes, size_t
     }
 }
 
+/// Decodes a picture of any format that is written, by its content.
+static stp_result decode(stp_context* context, const char* name, const unsigned char* bytes,
+                         size_t size, stp_image* image)
+{
+    stp_image_info info;
+    stp_result measured = stp_image_measure(bytes, size, &info);
+    bool other = measured == STP_OK && info.kind != STP_IMAGE_PNG;
+    return other ? stp_image_decode(context, name, bytes, size, image)
+                 : stp_png_decode(context, name, bytes, size, image);
+}
+
 stp_result tool_read_picture(stp_context* context, const char* path, stp_image* image)
 {
     if (strcmp(path, "-") != 0) {
-        return stp_png_read(context, path, image);
+        stp_mapped_file file;
+        stp_result mapped = stp_file_map(context, path, &file);
+        if (mapped == STP_OK) {
+            mapped = decode(context, path, file.bytes, file.size, image);
+            stp_file_unmap(&file);
+        }
+        return mapped;
     }
     unsigned char* bytes = NULL;
     size_t size = 0;
     stp_result result = read_stdin(context, &bytes, &size);
     if (result == STP_OK) {
-        result = stp_png_decode(context, "standard input", bytes, size, image);
+        result = decode(context, "standard input", bytes, size, image);
     }
     stp_free(context, bytes);
     return result;
@@ -48,7 +67,10 @@ int tool_check_picture(const char* path)
     bool known = path == NULL || strcmp(path, "-") == 0 ||
                  stp_picture_format_of(path) != STP_PICTURE_UNKNOWN;
     return known ? 0
-                 : tool_usage_error("%s: the file name must end in " STP_PICTURE_SUFFIXES, path);
+                 : tool_usage_error("%s: the file name must end in " STP_PICTURE_SUFFIXES
+                                    "; convert one of these to other formats, for example with "
+                                    "ImageMagick",
+                                    path);
 }
 
 stp_result tool_write_picture(stp_context* context, const stp_image* image, const char* path)

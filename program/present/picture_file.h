@@ -27,8 +27,8 @@ STP_MUST_USE stp_result stp_picture_write(stp_context* context, const stp_image*
 /// End of the message about an unknown suffix.
 #define STP_PICTURE_SUFFIXES ".png, .jpg, .jpeg or .webp"
 
-// Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG; writes the
-// format that the name implies.
+// Pictures from and to the command line: files, and "-" for stdin and stdout. Reads PNG, JPEG and
+// WebP, by their content; writes the format that the name implies.
 
 /// Rejects an output suffix that is not a writable picture format. NULL and "-" pass. @return 0, or
 /// 2 (message printed)

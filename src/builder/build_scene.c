@@ -404,6 +404,9 @@ static stp_result write_file(build* b)
     result = result == STP_OK ? make_content(b) : result;
     result = result == STP_OK ? stp_store_write(b->context, &b->content.content, b->desc->output)
                               : result;
+    if (result == STP_OK) {
+        (void)!stp_progress(b->context, "write", 1.0); // it is too late to stop
+    }
     b->report->write_s = (stp_clock_ms() - start) * 1e-3;
     return result;
 }

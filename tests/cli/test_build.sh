@@ -106,4 +106,9 @@ run 2 build ball.obj -o -
 run 2 build ball.obj -o x.stip --progress much
 run 1 build ball.obj -o ''
 run 2 info
+# progress ends at 100 %
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > end.obj
+"$stipple" build end.obj -o end.stip --progress json > out 2> err || fail "no build with progress"
+tail -n 1 err | grep -q '"overall":1.0' || fail "the last progress is $(tail -n 1 err)"
+
 exit $((failures > 0))

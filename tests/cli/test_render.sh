@@ -188,6 +188,17 @@ for occlusion in "" "--ambient-occlusion 5"; do
         fail "no picture within a budget"
 done
 cmp -s budget.png budget_dark.png && fail "render leaves ambient occlusion out of its picture"
+# other formats of pictures get advice; models do not come from standard input
+refused 2 "ImageMagick" render "$file" -o a.tiff
+refused 2 "standard input" render - -o a.png
+refused 2 "standard input" render /dev/stdin -o a.png
+# compare and sheet read what render writes
+for suffix in png jpg webp; do
+    "$stipple" render "$file" -o "kind.$suffix" --size 64x48 --background white -q || fail "$suffix"
+    "$stipple" compare "kind.$suffix" kind.png --json > compare.json || fail "compare reads no $suffix"
+    holds "$(value compare.json ssim) > 0.9" || fail "$suffix: $(cat compare.json)"
+done
+"$stipple" sheet kind.jpg kind.webp -o kinds.png || fail "sheet reads no JPEG and WebP"
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" render short.stip -o a.png
 refused 1 "no/folder" render "$file" -o no/folder/a.png --size 8x8

@@ -45,3 +45,19 @@ void test_cad_does_not_take_other_files(test_state* test)
         stp_context_destroy(context);
     }
 }
+
+void test_unknown_formats_get_advice(test_state* test)
+{
+    static const struct {
+        const char *name, *says;
+    } cases[] = {{"a.wrl", "VRML, which is not supported: convert it to glTF or X3D"},
+                 {"b.JT", "JT, which is not supported: export glTF"},
+                 {"c.mpd", "LeoCAD"},
+                 {"d.usdz", "Blender"},
+                 {"dir.wrl/e.foo", "unknown format"},
+                 {"f", "unknown format"},
+                 {"wrl", "unknown format"}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        CHECK(is_refused(cases[i].name, "#?", 2, STP_ERROR_UNSUPPORTED, cases[i].says));
+    }
+}

@@ -28,8 +28,8 @@ typedef struct field {
 static const field fields[] = {
     {"backend", FIELD_INT, PLACE(backend), 0, BACKEND_COUNT - 1},
     {"parts", FIELD_BOOL, PLACE(parts), 0, 0},
-    {"parts_width", FIELD_FLOAT, PLACE(parts_width), VIEWER_PARTS_WIDTH_MIN,
-     VIEWER_PARTS_WIDTH_MAX},
+    {"parts_width", FIELD_FLOAT, PLACE(parts_width), (double)VIEWER_PARTS_WIDTH_MIN,
+     (double)VIEWER_PARTS_WIDTH_MAX},
     {"page", FIELD_INT, PLACE(page), 0, PAGE_COUNT - 1},
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
     {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},

@@ -6,6 +6,7 @@
 #include "import/assimp/assimp_files.h"
 #include "import/assimp/assimp_stream.h"
 #include "import/assimp/sandbox.h"
+#include "import/reading/advice.h"
 
 #include <assert.h>
 #include <assimp/cimport.h>
@@ -245,9 +246,7 @@ static bool assimp_knows(const char* path)
 static stp_result read_foreign(stp_import* import)
 {
     if (!assimp_knows(import->path)) {
-        return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: unknown format: neither its content nor its extension is supported",
-                        import->path);
+        return stp_import_refuse_unknown(import);
     }
     if (import->file.size == 0) {
         return stp_fail(import->context, STP_ERROR_TRUNCATED, "%s: is empty", import->path);

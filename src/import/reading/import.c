@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/reading/import.h"
 
+#include "import/reading/advice.h"
 #include "import/reading/text.h"
 
 #include <assert.h>
@@ -239,9 +240,7 @@ static stp_result import_mapped(stp_import* import)
     }
     const stp_importer* importer = find_importer(import->path, &import->file);
     if (importer == NULL) {
-        return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
-                        "%s: unknown format: neither its content nor its extension is supported",
-                        import->path);
+        return stp_import_refuse_unknown(import);
     }
     stp_result result = stp_progress(import->context, "import", 0.0);
     return result == STP_OK ? read_with(importer, import) : result;
