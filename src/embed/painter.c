@@ -147,17 +147,16 @@ static stp_result draw_once(picture* p)
                                             &painter->list, p->image, &p->stats);
 }
 
-/// Draws; if out of memory, evicts loaded data and tries again.
+/// Draws; if out of memory, evicts loaded data and tries again. Several threads may fail: the first
+/// error is logged.
 static stp_result draw_yielding(picture* p)
 {
     stp_context* context = p->painter->model->context;
     stp_residency* residency = p->painter->model->residency;
-    if (residency == NULL) {
-        return draw_once(p);
-    }
     stp_hold_errors(context);
     stp_result result = draw_once(p);
-    while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(residency)) {
+    while (result == STP_ERROR_OUT_OF_MEMORY && residency != NULL &&
+           stp_residency_yield(residency)) {
         stp_hold_errors(context);
         result = draw_once(p);
     }

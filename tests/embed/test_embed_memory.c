@@ -37,13 +37,15 @@ static stp_result use_model(stp_context* context, const stp_model_desc* desc, ui
     return result;
 }
 
-/// Fails each allocation in turn, later only every `stride`-th. @return NULL, or the problem
-static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void* user, int stride)
+/// Fails each allocation in turn, later only every `stride`-th; `forever`: and all after it. @return
+/// NULL, or the problem
+static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void* user, int stride,
+                                    bool forever)
 {
     bool done = false;
     for (int n = 0; !done; n += 1 + n / stride) {
         test_heap heap = TEST_HEAP(n);
-        heap.forever = n % 2 != 0;
+        heap.forever = forever;
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         stp_result result = context != NULL ? use(context, user) : STP_ERROR_OUT_OF_MEMORY;
@@ -83,9 +85,9 @@ void test_embed_models_survive_failing_allocator(test_state* test)
     size_t size = 0;
     void* bytes = embed_build_town(true, &size);
     used.desc = (stp_model_desc){.bytes = bytes, .size = size};
-    const char* fault = bytes != NULL ? fail_allocations(use_again, &used, 100) : "no model";
+    const char* fault = bytes != NULL ? fail_allocations(use_again, &used, 100, false) : "no model";
     used.desc.stream = true;
-    fault = fault == NULL ? fail_allocations(use_again, &used, 20) : fault;
+    fault = fault == NULL ? fail_allocations(use_again, &used, 20, true) : fault;
     free(bytes);
     if (fault != NULL) {
         fprintf(stderr, "%s\n", fault);
@@ -125,7 +127,8 @@ void test_embed_builders_survive_failing_allocator(test_state* test)
 {
     char folder[] = "stp_embed_XXXXXX";
     CHECK(mkdtemp(folder) != NULL);
-    const char* fault = fail_allocations(build_town, folder, 8);
+    const char* fault = fail_allocations(build_town, folder, 8, false);
+    fault = fault == NULL ? fail_allocations(build_town, folder, 16, true) : fault;
     int left = count_entries(folder);
     rmdir(folder);
     if (fault != NULL) {
