@@ -34,7 +34,7 @@ def failing_calls(random, campaign, run, folder):
     values = {"MODEL": str(campaign.model), "CLOUD": str(campaign.cloud), "SCENE": str(campaign.scene), "OUT": str(output),
               "PICTURE": str(picture)}
     command = [campaign.options.stipple, *(values.get(word, word) for word in random.choice(COMMANDS))]
-    kind, nth = random.choice(KINDS), random.choice((1, 2, 3, random.randrange(1, 20), random.randrange(1, 200)))
+    kind, nth = random.choice(KINDS), random.choice((1, 2, 3, random.randrange(1, 8), random.randrange(1, 30)))
     environment = {"LD_PRELOAD": str(library), "STP_IO_KIND": kind, "STP_IO_NTH": str(nth), "STP_IO_ERROR": random.choice(ERRORS),
                    **({"STP_IO_ALL": "1"} if random.random() < 0.3 else {}), "XDG_CACHE_HOME": str(folder / "cache")}
     result = run(command, 1 << 20, folder, environment)

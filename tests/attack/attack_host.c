@@ -280,7 +280,7 @@ static void build(host* h)
     stp_write_desc write = {.methods = below(2) ? NULL : text(),
                             .path = below(8) ? NULL : "nowhere/a.stip",
                             .folder = below(8) ? NULL : text(),
-                            .splat_limit = below(2) ? 0 : small(),
+                            .splat_limit = small() % 1001, // more take long
                             .threshold = small()};
     for (int i = 0; i < 2; ++i) {
         CALL(h, h->builder, stp_builder_write(h->builder, &write, NULL));
