@@ -133,8 +133,8 @@ STP_API uint32_t stp_painter_get_texture(const stp_painter* painter);
 STP_API STP_MUST_USE stp_result stp_painter_get_depths(stp_painter* painter, float* depths,
                                                        size_t count);
 
-/// While true, drawing stops as soon as possible with STP_ERROR_CANCELLED; set it to false before
-/// the next picture. Only for painters made with `can_stop`; others ignore it. Callable from any
+/// While true, drawing stops as soon as possible with STP_ERROR_CANCELLED, also if it is set to false
+/// again meanwhile; set it to false before the next picture. Only for painters made with `can_stop`; others ignore it. Callable from any
 /// thread between create and destroy.
 STP_API void stp_painter_set_stopped(stp_painter* painter, bool stopped);
 

@@ -94,6 +94,26 @@ def killed_builds(random, campaign, run, folder):
     yield again, result
 
 
+def killed_builds_of_clouds(random, campaign, run, folder):
+    """A killed build of a cloud by any methods can be resumed, to the same bytes."""
+    stipple, output, right, cloud = campaign.options.stipple, folder / "a.stip", folder / "right.stip", folder / "a.xyz"
+    cloud.write_text("".join(f"{random.gauss(0, 9):.3f} {random.gauss(0, 9):.3f} {random.random():.3f}\n" for _ in range(60_000)))
+    methods = ",".join(random.sample(("blue", "spt", "psp", "stochastic"), random.randrange(1, 5)))
+    command = [stipple, "build", str(cloud), "--method", methods, "-q", *random.choice(((), ("--memory", "64M")))]
+    whole = run([*command, "-o", str(right)])
+    yield [*command, "-o", str(right)], whole
+    command += ["-o", str(output)]
+    for _ in range(3):
+        process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+        time.sleep(random.uniform(0.0, whole["seconds"]))
+        process.send_signal(random.choice((signal.SIGKILL, signal.SIGKILL, signal.SIGTERM)))
+        process.wait(timeout=600)
+    result = run(command)
+    if not result["fault"] and not whole["fault"] and (result["code"] != 0 or output.read_bytes() != right.read_bytes()):
+        result["fault"] = "bytes differ from an undisturbed build"
+    yield command, result
+
+
 def two_builds_of_one_file(random, campaign, run, folder):
     """Two builds write the same file: one after the other, or one refuses; the file is complete."""
     command = [campaign.options.stipple, "build", "scene:city-small,scale=0.05", "-o", str(folder / "a.stip"), "-q"]
@@ -114,4 +134,4 @@ def two_builds_of_one_file(random, campaign, run, folder):
     yield check, result
 
 
-RACES = (overwritten_while_drawn, damaged_work_folder, killed_builds, two_builds_of_one_file)
+RACES = (overwritten_while_drawn, damaged_work_folder, killed_builds, killed_builds_of_clouds, two_builds_of_one_file)

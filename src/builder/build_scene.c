@@ -521,17 +521,21 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     report = report != NULL ? report : &unwanted;
     double start = stp_clock_ms();
     bool changed = false;
+    stp_hold_errors(context); // several threads may fail: the first error is logged
     stp_result result = build_once(context, desc, report, &changed);
     if (changed && result != STP_ERROR_CANCELLED) {
         stp_warn(context, "%s.work: another process changed results of the build; starting again",
                  desc->output);
+        stp_hold_errors(context);
         result = build_once(context, desc, report, &changed);
         if (changed) {
+            stp_hold_errors(context);
             result = stp_fail(context, STP_ERROR_IO,
                               "%s.work: another process keeps changing results of the build",
                               desc->output);
         }
     }
+    stp_release_errors(context, result != STP_OK);
     report->total_s = (stp_clock_ms() - start) * 1e-3;
     return result;
 }

@@ -174,7 +174,7 @@ static stp_result build_in_folder(stp_builder* builder, const stp_write_desc* de
 {
     stp_context* context = builder->context;
     char* path = join(context, folder, "/scene.stip");
-    char* work = join(context, folder, "/scene.stip.work");
+    char* work = path != NULL ? join(context, folder, "/scene.stip.work") : NULL;
     stp_result result = path != NULL && work != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
     if (result == STP_OK && mkdtemp(folder) == NULL) {
         result = stp_fail(context, STP_ERROR_IO, "%s: cannot create the folder: %s", folder,

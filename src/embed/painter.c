@@ -59,7 +59,8 @@ stp_result stp_painter_create(stp_model* model, const stp_painter_desc* given,
         return stp_fail_memory(model->context);
     }
     made->model = model;
-    atomic_init(&made->stop, false);
+    atomic_init(&made->stopped, false);
+    atomic_init(&made->abandoned, false);
     result = create_renderer(made, &desc);
     if (result != STP_OK) {
         made->renderer = NULL;
@@ -67,7 +68,7 @@ stp_result stp_painter_create(stp_model* model, const stp_painter_desc* given,
         return result;
     }
     if (desc.can_stop) {
-        stp_renderer_set_stop(made->renderer, &made->stop);
+        stp_renderer_set_stop(made->renderer, &made->abandoned);
     }
     *painter = made;
     return STP_OK;
@@ -147,17 +148,16 @@ static stp_result draw_once(picture* p)
                                             &painter->list, p->image, &p->stats);
 }
 
-/// Draws; if out of memory, evicts loaded data and tries again.
+/// Draws; if out of memory, evicts loaded data and tries again. Several threads may fail: the first
+/// error is logged.
 static stp_result draw_yielding(picture* p)
 {
     stp_context* context = p->painter->model->context;
     stp_residency* residency = p->painter->model->residency;
-    if (residency == NULL) {
-        return draw_once(p);
-    }
     stp_hold_errors(context);
     stp_result result = draw_once(p);
-    while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(residency)) {
+    while (result == STP_ERROR_OUT_OF_MEMORY && residency != NULL &&
+           stp_residency_yield(residency)) {
         stp_hold_errors(context);
         result = draw_once(p);
     }
@@ -282,6 +282,16 @@ static stp_result draw_rows(picture* p, size_t stride)
     return result;
 }
 
+/// A picture that was stopped stays so, even if the host takes it back at once: parts are missing.
+/// In this order no call of stp_painter_set_stopped is lost.
+static void begin_stopping(stp_painter* painter)
+{
+    atomic_store(&painter->abandoned, false);
+    if (atomic_load(&painter->stopped)) {
+        atomic_store(&painter->abandoned, true);
+    }
+}
+
 stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const stp_paint_desc* given,
                             stp_image* image, stp_paint_report* report)
 {
@@ -310,6 +320,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
         p.style.ambient_occlusion = 0.0f;
     }
     painter->view.width = 0;
+    begin_stopping(painter);
     result = draw_rows(&p, desc.stride);
     if (result != STP_OK) {
         return result;
@@ -364,6 +375,9 @@ stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t co
 void stp_painter_set_stopped(stp_painter* painter, bool stopped)
 {
     if (painter != NULL) {
-        atomic_store(&painter->stop, stopped);
+        atomic_store(&painter->stopped, stopped);
+        if (stopped) {
+            atomic_store(&painter->abandoned, true);
+        }
     }
 }

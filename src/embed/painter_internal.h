@@ -12,7 +12,8 @@ struct stp_painter {
     stp_model* model;
     stp_renderer* renderer;
     bool uses_gl;
-    atomic_bool stop;
+    atomic_bool stopped;   ///< stp_painter_set_stopped
+    atomic_bool abandoned; ///< it was set since the picture began; for the renderer: stays true
     stp_draw_list list;
     // frame-time controller, and its budget; 0: none yet
     stp_budget budget;

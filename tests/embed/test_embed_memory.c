@@ -6,6 +6,7 @@
 
 #include <dirent.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -37,13 +38,15 @@ static stp_result use_model(stp_context* context, const stp_model_desc* desc, ui
     return result;
 }
 
-/// Fails each allocation in turn, later only every `stride`-th. @return NULL, or the problem
-static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void* user, int stride)
+/// Fails each allocation in turn, later only every `stride`-th; `forever`: and all after it. @return
+/// NULL, or the problem
+static const char* fail_allocations(stp_result (*use)(stp_context*, void*), void* user, int stride,
+                                    bool forever)
 {
     bool done = false;
     for (int n = 0; !done; n += 1 + n / stride) {
         test_heap heap = TEST_HEAP(n);
-        heap.forever = n % 2 != 0;
+        heap.forever = forever;
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         stp_result result = context != NULL ? use(context, user) : STP_ERROR_OUT_OF_MEMORY;
@@ -83,9 +86,9 @@ void test_embed_models_survive_failing_allocator(test_state* test)
     size_t size = 0;
     void* bytes = embed_build_town(true, &size);
     used.desc = (stp_model_desc){.bytes = bytes, .size = size};
-    const char* fault = bytes != NULL ? fail_allocations(use_again, &used, 100) : "no model";
+    const char* fault = bytes != NULL ? fail_allocations(use_again, &used, 100, false) : "no model";
     used.desc.stream = true;
-    fault = fault == NULL ? fail_allocations(use_again, &used, 20) : fault;
+    fault = fault == NULL ? fail_allocations(use_again, &used, 20, true) : fault;
     free(bytes);
     if (fault != NULL) {
         fprintf(stderr, "%s\n", fault);
@@ -125,7 +128,8 @@ void test_embed_builders_survive_failing_allocator(test_state* test)
 {
     char folder[] = "stp_embed_XXXXXX";
     CHECK(mkdtemp(folder) != NULL);
-    const char* fault = fail_allocations(build_town, folder, 8);
+    const char* fault = fail_allocations(build_town, folder, 8, false);
+    fault = fault == NULL ? fail_allocations(build_town, folder, 16, true) : fault;
     int left = count_entries(folder);
     rmdir(folder);
     if (fault != NULL) {
@@ -283,6 +287,55 @@ void test_embed_builds_and_pictures_are_cancelled(test_state* test)
     CHECK_EQUAL(STP_OK, results[2]);
     CHECK_EQUAL(STP_ERROR_ARGUMENT, results[3]);
     CHECK(memcmp(before, after, PIXELS) == 0);
+}
+
+typedef struct stopping {
+    stp_painter* painter;
+    atomic_bool done;
+} stopping;
+
+static void* toggle_stopped(void* user)
+{
+    stopping* s = user;
+    for (bool stopped = true; !atomic_load(&s->done); stopped = !stopped) {
+        stp_painter_set_stopped(s->painter, stopped);
+    }
+    return NULL;
+}
+
+// A stop that is taken back at once leaves no picture with missing parts.
+void test_embed_pictures_are_whole_or_cancelled(test_state* test)
+{
+    enum { PICTURES = 200 };
+    static uint8_t whole[PIXELS], pixels[PIXELS];
+    static stopping s;
+    size_t size = 0;
+    void* bytes = embed_build_town(false, &size);
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_model* model = NULL;
+    stp_view view = embed_view();
+    stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = whole};
+    pthread_t thread;
+    CHECK_EQUAL(STP_OK,
+                stp_model_open(context, &(stp_model_desc){.bytes = bytes, .size = size}, &model));
+    CHECK_EQUAL(STP_OK,
+                stp_painter_create(model, &(stp_painter_desc){.can_stop = true}, &s.painter));
+    CHECK_EQUAL(STP_OK, stp_painter_draw(s.painter, &view, NULL, &image, NULL));
+    CHECK_EQUAL(0, pthread_create(&thread, NULL, toggle_stopped, &s));
+    image.pixels = pixels;
+    int different = 0;
+    for (int i = 0; i < PICTURES; ++i) {
+        stp_result result = stp_painter_draw(s.painter, &view, NULL, &image, NULL);
+        different +=
+            result == STP_OK ? memcmp(whole, pixels, PIXELS) != 0 : result != STP_ERROR_CANCELLED;
+    }
+    atomic_store(&s.done, true);
+    pthread_join(thread, NULL);
+    stp_painter_destroy(s.painter);
+    stp_model_close(model);
+    stp_context_destroy(context);
+    free(bytes);
+    CHECK_EQUAL(0, different);
 }
 
 static stp_gl_function get_function(const char* name, void* user)
