@@ -16,6 +16,10 @@ enum {
 /// Points of a set that are read: a farthest-first order has the outline in its first points.
 enum { FIRST_POINTS = 4096 };
 
+/// Strays are at most one of so many points, or one of as many as STRAY_POINTS, and make a cloud so
+/// many times as large.
+enum { STRAY_SHARE = 32, STRAY_POINTS = 8, STRAY_SIZE = 8 };
+
 static uint32_t count_children(const void* user, const stp_farthest_item* node)
 {
     const stp_farthest_store* content = user;
@@ -145,6 +149,37 @@ static bool measure_part(const void* user, const stp_farthest_item* part, stp_ve
     return read && farthest > -HUGE_VAL;
 }
 
+static double longest_side(const stp_farthest_item* item)
+{
+    stp_boxd box = stp_affine_box(&item->transform, item->bounds);
+    stp_vec3d side = stp_subd(box.max, box.min);
+    return fmax(fmax(side.x, side.y), side.z);
+}
+
+/// The node below that holds all triangles and nearly all points, if points far from these make the
+/// whole much larger: strays, which a build puts into nodes of their own (scene/strays.h).
+static stp_farthest_item without_strays(const stp_farthest_store* content,
+                                        const stp_farthest_item* whole)
+{
+    const stp_store_directory* d = stp_store_get_directory(content->store);
+    uint64_t triangles = d->nodes[whole->index].triangle_count;
+    uint64_t points = d->nodes[whole->index].point_count;
+    uint64_t strays = points / STRAY_SHARE > 0 ? points / STRAY_SHARE : 1;
+    stp_farthest_item rest = *whole;
+    for (bool deeper = points >= STRAY_POINTS; deeper;) {
+        uint32_t edges = d->nodes[rest.index].edge_count;
+        deeper = false;
+        for (uint32_t i = 0; i < edges && !deeper; ++i) {
+            stp_farthest_item child;
+            bool shown = get_child(content, &rest, i, &child);
+            const stp_store_node* n = shown ? &d->nodes[child.index] : NULL;
+            deeper = shown && n->triangle_count == triangles && n->point_count + strays >= points;
+            rest = deeper ? child : rest;
+        }
+    }
+    return longest_side(whole) >= STRAY_SIZE * longest_side(&rest) ? rest : *whole;
+}
+
 bool stp_farthest_begin(const stp_farthest_store* content, const stp_placed_node* placed,
                         stp_farthest_graph* graph)
 {
@@ -165,5 +200,7 @@ bool stp_farthest_begin(const stp_farthest_store* content, const stp_placed_node
         .count = count_children,
         .get = get_child,
         .measure = measure_part};
-    return stp_show_of(graph->root.state) != STP_SHOW_NOT;
+    bool shown = stp_show_of(graph->root.state) != STP_SHOW_NOT;
+    graph->root = shown ? without_strays(content, &graph->root) : graph->root;
+    return shown;
 }

@@ -42,6 +42,21 @@ toward = [e - t for e, t in zip(camera["eye"], camera["target"])]
 assert abs(math.degrees(math.asin(toward[1] / math.dist(toward, [0, 0, 0]))) - 35.2644) < 1e-3, camera
 assert camera["fov"] == 40, camera
 END
+# points far from the rest of a cloud are named, and do not shrink it
+python3 - << 'END'
+places = [(500000 + i % 40 / 4, 4500000 + i // 40 / 4, 100) for i in range(1600)]
+for name, strays in ("clean", []), ("stray", [(0, 0, 0)]), ("strays", [(0, 0, 0), (1e6, 2e6, 0), (7e5, 5e6, 10)]):
+    with open(f"{name}.xyz", "w") as file:
+        file.writelines("%.2f %.2f %.2f\n" % place for place in strays + places)
+END
+for name in clean stray strays; do
+    "$stipple" build $name.xyz -o $name.stip --unit m 2> $name.log || fail "no build of $name"
+    "$stipple" -q render $name.stip -o $name.png --size 96x72 --json > $name.json || fail "render $name"
+    [ "$(value $name.json covered_pixels)" = "$(value clean.json covered_pixels)" ] || fail "$name shrinks the cloud"
+done
+grep -q "1 point lies up to 4528 km from the rest" stray.log || fail "the stray is not named: $(cat stray.log)"
+grep -q "3 points lie up to .* km from the rest" strays.log || fail "the strays are not named: $(cat strays.log)"
+! grep -q "from the rest" clean.log || fail "strays of a clean cloud"
 # a camera given by --eye has the field of view it always had
 "$stipple" -q render mast.obj -o placed.png --eye 5,5,5 --size 32x32 --json > placed.json || fail "placed"
 [ "$(value placed.json fov)" = 60.0 ] || fail "--eye: fov $(value placed.json fov)"

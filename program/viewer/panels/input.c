@@ -110,6 +110,9 @@ static void click(viewer* v, float x, float y)
     }
     if (pick.hit || sees) {
         stp_navigator_choose_pivot(&v->camera, pick.hit ? pick.position : seen);
+        if (v->glide_start >= 0.0) { // it stays when the glide ends
+            stp_navigator_choose_pivot(&v->glide_to, pick.hit ? pick.position : seen);
+        }
     }
 }
 
