@@ -15,7 +15,7 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< per sample
-    STOCHASTIC_VERSION = 4,
+    STOCHASTIC_VERSION = 5,
     STOCHASTIC_BYTES = 120, ///< per sample
     SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
 };

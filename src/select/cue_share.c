@@ -18,15 +18,16 @@ typedef struct cue_share {
     uint32_t* given;  ///< by node: the same as whole numbers, once its parent is opened
 } cue_share;
 
-/// Weight of a leaf by the view.
-static double importance_of(const stp_cue_view* view, const stp_leaf_node* node)
+/// Weight of a leaf by the view; 0 of a cube, whose leaves share its ray if they are few.
+static double importance_of(const stp_cue_view* view, uint32_t index, stp_cue_ray* ray)
 {
+    const stp_leaf_node* node = &view->leaves->nodes[index];
     stp_box_visibility sight;
     if (!stp_cue_is_in_view(view, node, &sight)) {
-        return UNSEEN * stp_cue_nominal(view, node, view->sight);
+        return node->leaf_count > 1 ? 0.0 : UNSEEN * stp_cue_nominal(view, node, view->sight);
     }
-    double enough = stp_cue_occlusion_limit(view, node, &sight);
-    return stp_cue_importance(view, node, &sight, stp_cue_before(view, node, enough));
+    stp_cue_trace(ray, view, index, false, &sight);
+    return node->leaf_count > 1 ? 0.0 : stp_cue_importance(view, node, &sight, ray->before);
 }
 
 /// Weight of a leaf by its area and the view-independent cues, or the area alone with
@@ -41,11 +42,12 @@ static void weigh(cue_share* share)
 {
     const stp_store_leaves* leaves = share->view->leaves;
     bool by_view = (share->view->cues & STP_CUE_IMPORTANCE_BIT) != 0;
+    stp_cue_ray ray = {0};
     for (uint32_t i = 0; i < leaves->node_count; ++i) {
         const stp_leaf_node* node = &leaves->nodes[i];
-        share->weights[i] = node->leaf_count > 1 ? 0.0
-                            : by_view            ? importance_of(share->view, node)
-                                                 : area_of(share->view, node);
+        share->weights[i] = by_view                ? importance_of(share->view, i, &ray)
+                            : node->leaf_count > 1 ? 0.0
+                                                   : area_of(share->view, node);
     }
 }
 

@@ -8,6 +8,8 @@
 
 // minimum share of a hidden region's samples: some of it may be visible beside its occluders
 #define MIN_SEEN 0.25
+// cubes of at most this many leaves share one ray (docs/notes/2026-11-stochastic-speed.md)
+#define RAY_LEAVES 32
 #define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
 #define ALIKE 0.9f     // cosine between the normals of two parts of one surface
 #define STRAIGHT 1e-12 // components of a unit direction are at least this: avoids division by 0
@@ -302,6 +304,16 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
         i = entered && !whole ? i + 1 : other->next;
     }
     return before;
+}
+
+void stp_cue_trace(stp_cue_ray* last, const stp_cue_view* view, uint32_t index, bool whole,
+                   const stp_box_visibility* sight)
+{
+    const stp_leaf_node* node = &view->leaves->nodes[index];
+    if (index >= last->until && (whole || node->leaf_count <= RAY_LEAVES)) {
+        last->before = stp_cue_before(view, node, stp_cue_occlusion_limit(view, node, sight));
+        last->until = node->next;
+    }
 }
 
 static double occlusion_of(double before, double pixels)

@@ -79,6 +79,17 @@ double stp_cue_before(const stp_cue_view* view, const stp_leaf_node* node, doubl
 double stp_cue_occlusion_limit(const stp_cue_view* view, const stp_leaf_node* node,
                                const stp_box_visibility* sight);
 
+/// A ray to the eye that the leaves of a small cube share. Zeroed at first.
+typedef struct stp_cue_ray {
+    double before;  ///< splats before the cube, as stp_cue_before finds them
+    uint32_t until; ///< first node outside the cube
+} stp_cue_ray;
+
+/// Traces the ray of a node, unless it is in the cube of the last one. A cube is asked before its
+/// parts; only one of few leaves, or a `whole` one, whose parts are not asked, has a ray.
+void stp_cue_trace(stp_cue_ray* last, const stp_cue_view* view, uint32_t index, bool whole,
+                   const stp_box_visibility* sight);
+
 /// What a view wants of a leaf by all cues, in splats, however many it has.
 double stp_cue_importance(const stp_cue_view* view, const stp_leaf_node* node,
                           const stp_box_visibility* sight, double before);

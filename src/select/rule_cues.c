@@ -16,11 +16,6 @@
 #define CELL_DEPTHS 1.25
 #define CUES_MAX 8.0 // factor on nominal samples: a bent region with an edge or a silhouette
 
-enum {
-    /// Cubes of at most this many leaves share one ray (docs/notes/2026-11-stochastic-speed.md).
-    RAY_LEAVES = 32
-};
-
 /// Number of splats in the fewest octaves that hold at least `count`.
 static uint32_t round_count(const stp_splats* set, double count)
 {
@@ -143,22 +138,9 @@ static stp_cue_cell single_splat(const stp_splats* set, const stp_leaf_node* nod
 /// State of a visit to the cubes of a set.
 typedef struct cue_walk {
     double carried;       ///< rounding error so far
-    double before;        ///< splats between the eye and the cube of the last ray
-    uint32_t ray_until;   ///< first node outside that cube
+    stp_cue_ray ray;      ///< the last one
     stp_cue_cell minimum; ///< one splat of a visible cube
 } cue_walk;
-
-/// Traces a ray to the eye from a cube that is not opened, or from one of few leaves, which share
-/// it.
-static void trace_to_eye(cue_walk* walk, const stp_cue_view* view, uint32_t index, bool opens,
-                         const stp_box_visibility* sight)
-{
-    const stp_leaf_node* node = &view->leaves->nodes[index];
-    if (index >= walk->ray_until && (!opens || node->leaf_count <= RAY_LEAVES)) {
-        walk->before = stp_cue_before(view, node, stp_cue_occlusion_limit(view, node, sight));
-        walk->ray_until = node->next;
-    }
-}
 
 /// Whether the cues of a cube are found part by part.
 static bool is_opened(const stp_cue_view* view, const stp_leaf_node* node,
@@ -190,9 +172,9 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             continue;
         }
         bool opens = is_opened(view, node, &sight);
-        trace_to_eye(&walk, view, i, opens, &sight);
+        stp_cue_trace(&walk.ray, view, i, !opens, &sight);
         if (!opens) {
-            double samples = stp_cue_samples(view, node, &sight, walk.before);
+            double samples = stp_cue_samples(view, node, &sight, walk.ray.before);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &walk.carried) : samples;
             assert(!(samples < 0.0));
             result = stp_cue_add_cell(s, count, cell_of(view->set, node, samples, here));

@@ -335,6 +335,38 @@ void test_stochastic_normals_of_a_slotted_block_face_outwards(test_state* test)
     stp_context_destroy(context);
 }
 
+// An open cylinder has no surface that faces up.
+void test_stochastic_normals_of_an_open_cylinder_face_outwards(test_state* test)
+{
+    static cloud c;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (int axis = 0; axis < 3; ++axis) {
+        stp_splats set;
+        make_cloud(&c, BALL, 3);
+        for (uint64_t i = 0; i < POINTS; ++i) {
+            double turn = 6.2831853 * unit(7, 2 * i);
+            float* p = c.positions + 3 * i;
+            p[axis] = (float)(3.0 * unit(7, 2 * i + 1) - 1.5);
+            p[(axis + 1) % 3] = (float)cos(turn);
+            p[(axis + 2) % 3] = (float)sin(turn);
+        }
+        CHECK_EQUAL(STP_OK, make_set(context, &c, POINTS, &set));
+        uint32_t right = 0;
+        for (uint32_t i = 0; i < set.count; ++i) {
+            const float* p = c.positions + 3 * (size_t)point_of(&set, i);
+            stp_vec3 n =
+                stp_octahedral_decode(set.normals[2 * (size_t)i], set.normals[2 * (size_t)i + 1]);
+            const float normal[3] = {n.x, n.y, n.z};
+            int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            right += normal[u] * p[u] + normal[v] * p[v] > 0.0f ? 1 : 0;
+        }
+        CHECK(right > 0.99 * set.count);
+        stp_splats_destroy(context, &set);
+    }
+    stp_context_destroy(context);
+}
+
 void test_stochastic_sets_hold_every_point_once(test_state* test)
 {
     static cloud c;

@@ -11,6 +11,7 @@ enum {
     BRIDGES_MAX = 64,    ///< maximum number of components for which a bridge is searched
     WORDS = 64,          ///< words with a bit for each of 64 buckets
 };
+#define CERTAIN 0.7f    // a start that faces its way at least as much needs no other
 #define ACROSS 0.5f     // weight of a step perpendicular to a surface
 #define WEIGHT_MAX 3.5f // maximum weight of a step
 #define GAP 4.0f        // maximum gap, relative to the sum of both leaves' sides
@@ -230,29 +231,67 @@ static void find_components(orienter* o)
     }
 }
 
-/// Chooses the next start: among the unoriented leaves about as high as the highest one, the leaf
-/// whose plane faces up most, because the up direction is ambiguous at edges and corners. Lower
-/// leaves count less: a leaf of few points may be as wide as the whole component is high. UINT32_MAX:
-/// none is left.
-static uint32_t find_highest(const orienter* o)
+/// A leaf whose outward side is known: at an end of its component along an axis.
+typedef struct orient_start {
+    uint32_t leaf; ///< UINT32_MAX: none is left
+    int axis;
+    float sign;      ///< 1 or -1: its normal points that way along the axis
+    float certainty; ///< at most 1
+} orient_start;
+
+static float along(stp_vec3 v, int axis)
 {
-    uint32_t highest = UINT32_MAX, best = UINT32_MAX;
-    float maximum = -HUGE_VALF;
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/// The unoriented leaf that reaches farthest along an axis, of a component or of all (UINT32_MAX).
+static uint32_t find_end(const orienter* o, uint32_t component, int axis, float sign)
+{
+    uint32_t end = UINT32_MAX;
     for (uint32_t i = 0; i < o->count; ++i) {
-        if (!o->done[i] &&
-            (highest == UINT32_MAX || o->properties[i].mean[1] > o->properties[highest].mean[1])) {
-            highest = i;
+        bool counts = !o->done[i] && (component == UINT32_MAX || o->components[i] == component);
+        if (counts && (end == UINT32_MAX ||
+                       sign * o->properties[i].mean[axis] > sign * o->properties[end].mean[axis])) {
+            end = i;
         }
     }
-    for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
-        float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
-        float below = (o->properties[highest].mean[1] - o->properties[i].mean[1]) / width;
-        float up = fabsf(o->properties[i].normal.y) - uncertainty(&o->properties[i]) - below;
-        if (!o->done[i] && below <= 1.0f && o->components[i] == o->components[highest] &&
-            up > maximum) {
-            maximum = up;
-            best = i;
+    return end;
+}
+
+/// Among the unoriented leaves about as far along an axis as the farthest, the one whose plane faces
+/// that way most, because the direction is ambiguous at edges and corners. Leaves less far count
+/// less: a leaf of few points may be as wide as the whole component is high.
+static orient_start find_start_along(const orienter* o, uint32_t end, int axis, float sign)
+{
+    orient_start start = {.leaf = UINT32_MAX, .axis = axis, .sign = sign, .certainty = -HUGE_VALF};
+    float width = (float)stp_leaf_width(o->octree->leaves[end].depth);
+    for (uint32_t i = 0; i < o->count; ++i) {
+        const stp_leaf_properties* p = &o->properties[i];
+        float below = sign * (o->properties[end].mean[axis] - p->mean[axis]) / width;
+        float certainty = fabsf(along(p->normal, axis)) - uncertainty(p) - below;
+        if (!o->done[i] && below <= 1.0f && o->components[i] == o->components[end] &&
+            certainty > start.certainty) {
+            start.certainty = certainty;
+            start.leaf = i;
         }
+    }
+    return start;
+}
+
+/// Chooses the next start: at the top of the component that is highest (Bhakar 2004, 3.2), or where
+/// no leaf there faces up, as on an open cylinder, at the most certain of its six ends.
+static orient_start find_start(const orienter* o)
+{
+    uint32_t highest = find_end(o, UINT32_MAX, 1, 1.0f);
+    if (highest == UINT32_MAX) {
+        return (orient_start){.leaf = UINT32_MAX};
+    }
+    orient_start best = find_start_along(o, highest, 1, 1.0f);
+    for (int k = 0; k < 6 && best.certainty < CERTAIN; ++k) {
+        float sign = k % 2 == 0 ? 1.0f : -1.0f;
+        uint32_t end = find_end(o, o->components[highest], k / 2, sign);
+        orient_start other = find_start_along(o, end, k / 2, sign);
+        best = other.certainty > best.certainty ? other : best;
     }
     return best;
 }
@@ -293,17 +332,18 @@ static void orient_all(orienter* o)
 {
     find_components(o);
     uint32_t bridges = 0;
-    for (uint32_t highest = find_highest(o); highest != UINT32_MAX; highest = find_highest(o)) {
-        uint32_t to = highest, from = 0;
+    for (orient_start start = find_start(o); start.leaf != UINT32_MAX; start = find_start(o)) {
+        uint32_t to = start.leaf, from = 0;
         bool across = bridges > 0 && bridges <= BRIDGES_MAX &&
-                      find_bridge(o, o->components[highest], &to, &from);
+                      find_bridge(o, o->components[start.leaf], &to, &from);
+        stp_vec3* normal = &o->properties[start.leaf].normal;
         bridges += 1;
         if (across) {
             turn(o, to, from);
-        } else if (o->properties[highest].normal.y < 0.0f) {
-            o->properties[highest].normal = stp_scale(o->properties[highest].normal, -1.0f);
+        } else if (start.sign * along(*normal, start.axis) < 0.0f) {
+            *normal = stp_scale(*normal, -1.0f);
         }
-        spread_from(o, across ? to : highest);
+        spread_from(o, across ? to : start.leaf);
         assert(o->queue.count <= o->begins[o->count] && "a step for each link, at most");
     }
 }
