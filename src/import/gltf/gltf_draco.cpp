@@ -69,7 +69,8 @@ bool skip_header(draco::DecoderBuffer* buffer, draco::DracoHeader* header)
     if (!draco::PointCloudDecoder::DecodeHeader(buffer, header).ok()) {
         return false;
     }
-    uint16_t version = DRACO_BITSTREAM_VERSION(header->version_major, header->version_minor);
+    const auto version = static_cast<uint16_t>(
+        DRACO_BITSTREAM_VERSION(header->version_major, header->version_minor));
     buffer->set_bitstream_version(version);
     if (version < DRACO_BITSTREAM_VERSION(1, 3) || (header->flags & METADATA_FLAG_MASK) == 0) {
         return true;
