@@ -111,9 +111,15 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
         .generate = stp_builder_move,
         .generate_user = builder};
     assert(build.method_count > 0 && "was checked");
+    char ratio[48] = "";
+    if (desc->triangles_per_splat > 0.0) { // in digits of no locale
+        uint64_t thousandths = (uint64_t)(1000.0 * desc->triangles_per_splat + 0.5);
+        snprintf(ratio, sizeof(ratio), "\"surfel_ratio\":%llu.%03u,",
+                 (unsigned long long)(thousandths / 1000), (unsigned)(thousandths % 1000));
+    }
     snprintf(parameters, sizeof(parameters),
-             "{\"method\":\"%s\",\"surfels\":%u,\"surfel_ratio\":%.9g,\"threshold\":%llu}", names,
-             desc->splat_limit, desc->triangles_per_splat, (unsigned long long)threshold);
+             "{\"method\":\"%s\",\"surfels\":%u,%s\"threshold\":%llu}", names, desc->splat_limit,
+             ratio, (unsigned long long)threshold);
     assert(strlen(parameters) + 1 < sizeof(parameters) && "a truncated text is not JSON");
     stp_result result = list_inputs(builder, &inputs, &build.input_count);
     build.inputs = inputs;

@@ -182,6 +182,13 @@ stp_result stp_model_get_view(const stp_model* model, const char* name, stp_view
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "view %s: is neither a view of the file nor a standard one", name);
     }
+    bool lens = view->fov_degrees == 0.0 || (view->fov_degrees >= STP_FOV_DEGREES_MIN &&
+                                             view->fov_degrees <= STP_FOV_DEGREES_MAX);
+    if (!lens || !(view->ortho_height >= 0.0) || !isfinite(view->ortho_height) ||
+        view->sections.count > STP_SECTION_PLANES) {
+        return stp_fail(model->context, STP_ERROR_ARGUMENT,
+                        "view: its angle, height or number of sections is out of range");
+    }
     const stp_farthest_store content = {model->context, model->store, NULL};
     if (model->residency != NULL) { // which data is loaded must not matter
         stp_camera_fit(view, &model->summary.bounds);

@@ -13,9 +13,6 @@ enum {
     POINTS,
 };
 
-/// Points of a set that are read: a farthest-first order has the outline in its first points.
-enum { FIRST_POINTS = 4096 };
-
 /// Strays are at most one of so many points, or one of as many as STRAY_POINTS, and make a cloud so
 /// many times as large.
 enum { STRAY_SHARE = 32, STRAY_POINTS = 8, STRAY_SIZE = 8 };
@@ -107,12 +104,8 @@ static bool measure_points(stp_store* store, uint32_t index, stp_vec3d direction
         stp_farthest_vertex(points.positions, points.point_count, direction, farthest, point);
         return true;
     }
-    uint32_t held = points.held_by - 1;
-    uint32_t octaves =
-        stp_store_octaves_for(stp_store_describe_splat_set(store, held), FIRST_POINTS);
-    uint32_t needed = points.point_count < FIRST_POINTS ? points.point_count : FIRST_POINTS;
-    if (stp_store_get_splat_set_prefix(store, held, octaves, &set) != STP_OK ||
-        set.count < needed) { // in a partial file
+    if (stp_store_get_splat_set(store, points.held_by - 1, &set) != STP_OK ||
+        set.count < points.point_count) { // in a partial file
         return false;
     }
     for (uint32_t i = 0; i < set.count; ++i) {

@@ -50,11 +50,11 @@ static void choose(const stp_selection* s, const stp_select_entry* at,
     }
 }
 
-/// Takes exactly `count` splats of all leaves, visible or not.
+/// Takes exactly `count` splats, which may all be of a few leaves.
 static void choose_count(stp_set_use* use, uint32_t count)
 {
     use->state = count < use->splats->count ? count : use->splats->count;
-    use->count = round_count(use->splats, (double)use->state * CUES_MAX);
+    use->count = use->splats->count;
     use->radius = reach_of(use->splats, count);
 }
 

@@ -99,7 +99,7 @@ void test_embed_views_are_checked(test_state* test)
         memcpy((char*)&view + bad_numbers[i].field, &bad_numbers[i].value, sizeof(double));
         if (!is_refused(&o, &view)) {
             fprintf(stderr, "number %zu: %d errors: %s\n", i, o.log.errors, o.log.text);
-            CHECK(!"refused");
+            CHECK(false && "refused");
         }
     }
     stp_view many = view_with_section(), still = many, flat = many, narrow = many;

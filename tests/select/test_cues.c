@@ -94,12 +94,12 @@ void test_cues_are_those_of_table_1(test_state* test)
     node.edge = 1.0f;
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     node.spread = 255; // a silhouette next to an edge adds nothing
-    CHECK(stp_cue_silhouette(&view, &node));
+    CHECK(stp_cue_silhouette(&view, &node) > 0.0);
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 8.0 * flat) < 1e-6 * w);
     view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUE_SILHOUETTE_BIT | STP_CUE_COVERAGE_BIT);
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - 4.0 * flat) < 1e-6 * w);
     node.spread = 0;
-    CHECK(!stp_cue_silhouette(&view, &node));
+    CHECK(!(stp_cue_silhouette(&view, &node) > 0.0));
     CHECK(fabs(stp_cue_samples(&view, &node, &sight, 0.0) - flat) < 1e-6 * w);
     node.count = 10; // no more than there are
     CHECK(stp_cue_samples(&view, &node, &sight, 0.0) == 10.0);
@@ -155,7 +155,7 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
     CHECK(shining > 0 && shining < all / 2);
     shading.roughness = 0.8f;
     view = look(&s, (stp_vec3d){32, 300, 32}, cues);
-    CHECK(!stp_cue_highlight(&view, &node));
+    CHECK(!(stp_cue_highlight(&view, &node) > 0.0));
 }
 
 /// Whether the line between two places passes through the cube of a leaf.

@@ -128,17 +128,6 @@ static bool draw(fixture* f, uint64_t count, uint32_t cues, stp_vec3d eye)
     return good;
 }
 
-/// Splats of a leaf in the fewest octaves that hold eight times as many as are requested.
-static uint32_t available(const stp_splats* set, const stp_leaf_node* node, uint32_t count)
-{
-    uint32_t octave = 0;
-    while (octave + 1 < set->octave_count && set->octave_ends[octave] < 8 * (uint64_t)count) {
-        octave += 1;
-    }
-    return stp_leaf_until(node->first + node->count, octave, set->octave_count) -
-           stp_leaf_until(node->first, octave, set->octave_count);
-}
-
 static double weight(const stp_leaf_node* node, uint32_t cues)
 {
     double w = (double)node->area;
@@ -151,10 +140,9 @@ static double weight(const stp_leaf_node* node, uint32_t cues)
 }
 
 /// What a leaf gets at a density.
-static double given(const fixture* f, const stp_leaf_node* node, uint32_t count, uint32_t cues,
-                    double density)
+static double given(const stp_leaf_node* node, uint32_t cues, double density)
 {
-    return fmin(density * weight(node, cues), available(&f->scene.sets[0], node, count));
+    return fmin(density * weight(node, cues), node->count);
 }
 
 static double find_density(const fixture* f, uint32_t count, uint32_t cues)
@@ -164,7 +152,7 @@ static double find_density(const fixture* f, uint32_t count, uint32_t cues)
         double middle = 0.5 * (low + high), sum = 0.0;
         for (uint32_t i = 0; i < f->leaves.node_count; ++i) {
             const stp_leaf_node* node = &f->leaves.nodes[i];
-            sum += node->leaf_count == 1 ? given(f, node, count, cues, middle) : 0.0;
+            sum += node->leaf_count == 1 ? given(node, cues, middle) : 0.0;
         }
         low = sum < count ? middle : low;
         high = sum < count ? high : middle;
@@ -191,7 +179,7 @@ void test_stochastic_count_is_shared_by_weight(test_state* test)
                 for (uint32_t k = i; k < node->next; ++k) {
                     const stp_leaf_node* leaf = &f.leaves.nodes[k];
                     bool is_leaf = leaf->leaf_count == 1;
-                    expected += is_leaf ? given(&f, leaf, counts[n], cues[c], density) : 0.0;
+                    expected += is_leaf ? given(leaf, cues[c], density) : 0.0;
                     drawn += is_leaf ? f.drawn[leaf->leaf] : 0.0;
                 }
                 double depth = node->depth; // each level rounds

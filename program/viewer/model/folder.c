@@ -65,7 +65,7 @@ bool folder_complete(const folder_list* f, const char* start, char* name, size_t
         while (name[same] != 0 && strncasecmp(name, e->name, same + 1) == 0) {
             same += 1;
         }
-        while ((name[same] & 0xC0) == 0x80) { // not within a character
+        while (same > 0 && (name[same] & 0xC0) == 0x80) { // not within a character
             same -= 1;
         }
         name[same] = 0;

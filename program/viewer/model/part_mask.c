@@ -14,7 +14,10 @@
 /// Depths that differ by less than this share count as the same surface.
 static const float same_depth = 0.02f;
 
-enum { DEPTH_MAX = 1000 }; ///< levels of the graph
+enum {
+    DEPTH_MAX = 1000,    ///< levels of the graph
+    VISITS_MAX = 1000000 ///< nodes that are asked
+};
 
 static void add_corner(part_shape* shape, const stp_affine* transform, size_t corner, stp_vec3 p)
 {
@@ -68,13 +71,15 @@ static void add_mesh(part_shape* shape, size_t room, stp_store* store, uint32_t 
 }
 
 static void add_node(part_shape* shape, size_t room, stp_store* store, uint32_t node,
-                     const stp_affine* transform, int depth)
+                     const stp_affine* transform, int depth, uint32_t* visits)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     const stp_store_node* n = &d->nodes[node];
-    if (n->triangle_count == 0 || depth == DEPTH_MAX) {
+    if (n->triangle_count == 0 || depth == DEPTH_MAX || shape->count == room ||
+        *visits == VISITS_MAX) {
         return;
     }
+    *visits += 1;
     for (uint32_t i = 0; i < n->part_count; ++i) {
         stp_store_part part = d->parts[n->first_part + i];
         if (part.kind == STP_STORE_PART_MESH) {
@@ -84,7 +89,7 @@ static void add_node(part_shape* shape, size_t room, stp_store* store, uint32_t 
     for (uint32_t i = 0; i < n->edge_count; ++i) {
         const stp_store_edge* edge = &d->edges[n->first_edge + i];
         stp_affine below = stp_affine_multiply(*transform, edge->transform);
-        add_node(shape, room, store, edge->node, &below, depth + 1);
+        add_node(shape, room, store, edge->node, &below, depth + 1, visits);
     }
 }
 
@@ -107,7 +112,9 @@ void part_shape_make(stp_context* context, stp_store* store, const stp_placed_no
     shape->origin = stp_affine_point(&placed->transform,
                                      stp_scaled(stp_addd(node->bounds.min, node->bounds.max), 0.5));
     stp_hold_errors(context); // what cannot be read is reported where it is drawn
-    add_node(shape, (size_t)node->triangle_count, store, placed->node, &placed->transform, 0);
+    uint32_t visits = 0;
+    add_node(shape, (size_t)node->triangle_count, store, placed->node, &placed->transform, 0,
+             &visits);
     stp_release_errors(context, false);
 }
 
@@ -146,6 +153,24 @@ static int clamp_cell(float at, uint32_t count)
     return at < 0.0f ? 0 : at > (float)count ? (int)count : (int)at;
 }
 
+/// The columns in which the edges of a triangle cross the middle of a row, and one more on each side.
+static void find_span(const corner c[3], float py, uint32_t width, int* first, int* last)
+{
+    float low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 3; ++k) {
+        const corner *a = &c[k], *b = &c[(k + 1) % 3];
+        if ((a->y <= py) != (b->y <= py)) {
+            float x = a->x + (py - a->y) / (b->y - a->y) * (b->x - a->x);
+            low = fminf(low, x);
+            high = fmaxf(high, x);
+        }
+    }
+    int from = low <= high ? clamp_cell(low - 1.0f, width) : 0;
+    int to = low <= high ? clamp_cell(high + 2.0f, width) : 0;
+    *first = from > *first ? from : *first;
+    *last = to < *last ? to : *last;
+}
+
 static void fill(part_mask* mask, const corner c[3])
 {
     float area = (c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y);
@@ -160,7 +185,9 @@ static void fill(part_mask* mask, const corner c[3])
     int y0 = clamp_cell(fminf(fminf(c[0].y, c[1].y), c[2].y), mask->height);
     int y1 = clamp_cell(fmaxf(fmaxf(c[0].y, c[1].y), c[2].y) + 1.0f, mask->height);
     for (int y = y0; y < y1; ++y) {
-        for (int x = x0; x < x1; ++x) {
+        int first = x0, last = x1;
+        find_span(c, (float)y + 0.5f, mask->width, &first, &last);
+        for (int x = first; x < last; ++x) {
             float px = (float)x + 0.5f, py = (float)y + 0.5f, share[3], nearness = 0.0f;
             bool inside = true;
             for (int k = 0; k < 3; ++k) {

@@ -28,7 +28,7 @@ bool path_list_expand(path_list* list, const char* path)
     if (!folder_read(&f, path, false)) {
         return path_list_add(list, path);
     }
-    bool good = true;
+    bool good = !f.is_truncated;
     for (size_t i = 0; i < f.count && good; ++i) {
         char whole[PATH_MAX];
         const folder_entry* e = &f.entries[i];

@@ -278,18 +278,21 @@ static orient_start find_start_along(const orienter* o, uint32_t end, int axis, 
     return start;
 }
 
-/// Chooses the next start: at the top of the component that is highest (Bhakar 2004, 3.2), or where
-/// no leaf there faces up, as on an open cylinder, at the most certain of its six ends.
-static orient_start find_start(const orienter* o)
+/// The start at the top of the component that is highest (Bhakar 2004, 3.2).
+static orient_start find_highest(const orienter* o)
 {
-    uint32_t highest = find_end(o, UINT32_MAX, 1, 1.0f);
-    if (highest == UINT32_MAX) {
-        return (orient_start){.leaf = UINT32_MAX};
-    }
-    orient_start best = find_start_along(o, highest, 1, 1.0f);
+    uint32_t end = find_end(o, UINT32_MAX, 1, 1.0f);
+    return end != UINT32_MAX ? find_start_along(o, end, 1, 1.0f)
+                             : (orient_start){.leaf = UINT32_MAX};
+}
+
+/// Where no leaf at the top faces up, as on an open cylinder: the most certain of the six ends.
+static orient_start find_most_certain(const orienter* o, orient_start highest)
+{
+    orient_start best = highest;
     for (int k = 0; k < 6 && best.certainty < CERTAIN; ++k) {
         float sign = k % 2 == 0 ? 1.0f : -1.0f;
-        uint32_t end = find_end(o, o->components[highest], k / 2, sign);
+        uint32_t end = find_end(o, o->components[highest.leaf], k / 2, sign);
         orient_start other = find_start_along(o, end, k / 2, sign);
         best = other.certainty > best.certainty ? other : best;
     }
@@ -332,10 +335,11 @@ static void orient_all(orienter* o)
 {
     find_components(o);
     uint32_t bridges = 0;
-    for (orient_start start = find_start(o); start.leaf != UINT32_MAX; start = find_start(o)) {
+    for (orient_start start = find_highest(o); start.leaf != UINT32_MAX; start = find_highest(o)) {
         uint32_t to = start.leaf, from = 0;
         bool across = bridges > 0 && bridges <= BRIDGES_MAX &&
                       find_bridge(o, o->components[start.leaf], &to, &from);
+        start = across || bridges > BRIDGES_MAX ? start : find_most_certain(o, start);
         stp_vec3* normal = &o->properties[start.leaf].normal;
         bridges += 1;
         if (across) {
