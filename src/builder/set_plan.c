@@ -19,6 +19,7 @@
 #define COVERED 0.9        // share of a node's triangles that the sets below must represent
 #define GRID_STEPS 65535.0 // of the positions of a set (lod/blue/octave_grid.c)
 #define DENSE_POINTS 256   // fewer need no fine grid
+#define DENSE_PART 0.25    // and so do less than this part of a node
 #define FIXED_COST 1000.0  // cost of a step without its splats, in splats
 // Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
 // Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
@@ -197,14 +198,15 @@ static bool passes_through(const planning* p, const stp_node* node, uint32_t ind
     return !moves(p->scene, p->scene->edges[node->first_edge].node);
 }
 
-// Whether the points of a cloud below would lie on fewer steps of the node's grid of positions than
-// they get splats: a survey beside a point far away. Then the cloud's own set shows it.
+// Whether the points of a cloud below, which has much of the node, would lie on fewer steps of the
+// node's grid of positions than they get splats: a survey beside a point far away. Then the cloud's own set shows it.
 static bool is_grid_too_coarse(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];
     double steps = r->dense_side / longest_side(p->scene->nodes[index].bounds) * GRID_STEPS + 1.0;
-    double share = expected_splats(p, index) * r->dense_points / count_shapes(p, index);
-    return p->scene->nodes[index].edge_count > 0 && r->dense_points > 0.0 && share > steps * steps;
+    double part = r->dense_points / count_shapes(p, index);
+    return p->scene->nodes[index].edge_count > 0 && r->dense_side > 0.0 && part > DENSE_PART &&
+           expected_splats(p, index) * part > steps * steps;
 }
 
 static bool is_worth_a_set(const planning* p, uint32_t index)

@@ -8,9 +8,9 @@
 #include <string.h>
 
 enum {
-    SAMPLE = 1024,     ///< points that tell where most lie
-    TRIM_SHARE = 50,   ///< one of so many at each end of an axis may be a stray
-    MOST_SHARE = 32,   ///< more than one of so many points are no strays
+    SAMPLE = 1024,   ///< points that tell where most lie
+    TRIM_SHARE = 24, ///< one of so many at each end of an axis may be a stray: more than strays are
+    MOST_SHARE = 32, ///< more than one of so many points are no strays
     FEWEST_POINTS = 8, ///< fewer have no rest to be far from
     PIECES_MAX = 4096
 };
@@ -74,6 +74,9 @@ stp_strays stp_strays_find(const stp_point_set* points)
         width = fmax(width, (double)high[k] - (double)low[k]);
     }
     float margin = (float)(FAR * width);
+    if (!(width > 0.0)) { // most points coincide: there is no measure of far
+        return none;
+    }
     stp_strays found = {.width = width,
                         .rest = {{low[0] - margin, low[1] - margin, low[2] - margin},
                                  {high[0] + margin, high[1] + margin, high[2] + margin}}};
@@ -90,10 +93,7 @@ stp_strays stp_strays_find(const stp_point_set* points)
             found.distance = fmax(found.distance, distance_to(&found.rest, p));
         }
     }
-    return found.count <= points->point_count / MOST_SHARE ||
-                   (found.count == 1 && points->point_count >= FEWEST_POINTS)
-               ? found
-               : none;
+    return found.count <= 1 || found.count <= points->point_count / MOST_SHARE ? found : none;
 }
 
 /// A distance in words: "12 km", "300 m", or in units of the scene where these are unknown.
@@ -103,8 +103,8 @@ static void describe_distance(const stp_scene* scene, double distance, char* tex
     if (!(scene->unit_metres > 0.0)) {
         snprintf(text, size, "%.3g units", distance);
     } else {
-        snprintf(text, size, metres >= 1000.0 ? "%.0f km" : "%.0f m",
-                 metres >= 1000.0 ? metres / 1000.0 : metres);
+        const char* format = metres >= 1000.0 ? "%.0f km" : metres >= 10.0 ? "%.0f m" : "%.2g m";
+        snprintf(text, size, format, metres >= 1000.0 ? metres / 1000.0 : metres);
     }
 }
 

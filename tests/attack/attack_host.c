@@ -61,9 +61,18 @@ static uint32_t below(uint32_t end)
 
 static double number(void)
 {
-    static const double numbers[] = {0,     -0.0,  1,    -1,   0.5,    2,        1e-320, 1e-160,
-                                     1e-3,  1e3,   1e18, 1e24, 1e30,   3.4e38,   1e300,  -1e300,
-                                     179.9, 359.0, 60.0, 60.0, 1e-300, INFINITY, NAN,    -INFINITY};
+    static const double numbers[] = {0,           -0.0,
+                                     1,           -1,
+                                     0.5,         2,
+                                     1e-320,      1e-160,
+                                     1e-3,        1e3,
+                                     1e18,        1e24,
+                                     1e30,        3.4e38,
+                                     1e300,       -1e300,
+                                     179.9,       359.0,
+                                     60.0,        60.0,
+                                     1e-300,      (double)INFINITY,
+                                     (double)NAN, -(double)INFINITY};
     return numbers[below(sizeof(numbers) / sizeof(numbers[0]))];
 }
 

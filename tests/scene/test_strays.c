@@ -51,6 +51,12 @@ void test_strays_are_found(test_state* test)
         CHECK(counts[i] == 0 || (strays.distance > 1e5 && strays.distance < 7e6));
         CHECK(counts[i] == 0 || (strays.width > 15.0 && strays.width <= 20.0));
     }
+    fill(positions, POINTS, 0); // three of a hundred at one place, as points that a scanner missed
+    for (uint32_t i = 0; i < POINTS; i += 33) {
+        positions[3 * i] = positions[3 * i + 1] = positions[3 * i + 2] = 4e6f;
+    }
+    stp_point_set missed = set_of(positions, POINTS);
+    CHECK_EQUAL((POINTS + 32) / 33, stp_strays_find(&missed).count);
     fill(positions, POINTS, POINTS / 20); // as many belong to the content
     stp_point_set many = set_of(positions, POINTS);
     CHECK_EQUAL(0, stp_strays_find(&many).count);
@@ -66,11 +72,16 @@ void test_strays_are_found(test_state* test)
         stp_point_set set = set_of(positions, POINTS);
         CHECK_EQUAL(0, stp_strays_find(&set).count);
     }
-    // one of few points, and coinciding points
+    // one of few points, and points of which most coincide
     for (uint32_t count = 1; count < 40; ++count) {
         memset(positions, 0, 3 * (size_t)count * sizeof(float));
-        positions[0] = 5.0f;
+        positions[0] = 500.0f;
         stp_point_set set = set_of(positions, count);
+        CHECK_EQUAL(0, stp_strays_find(&set).count);
+        for (uint32_t i = 1; i < count; ++i) {
+            positions[3 * i] = (float)i / (float)count;
+        }
+        set = set_of(positions, count);
         CHECK_EQUAL(count < 8 ? 0 : 1, stp_strays_find(&set).count);
     }
 }

@@ -142,7 +142,7 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
             stp_vec3 n = stp_normalize((stp_vec3){0.1f * (float)x, 1.0f, 0.1f * (float)z});
             stp_octahedral_encode(n, node.normal);
             double samples = stp_cue_samples(&view, &node, &sight, 0.0);
-            bool shines = stp_cue_highlight(&view, &node);
+            bool shines = stp_cue_highlight(&view, &node) > 0.0;
             CHECK(fabs(samples - (shines ? 1.5 : 1.0) * flat) < 1e-6 * flat);
             stp_vec3d mirrored =
                 stp_subd(stp_scaled(stp_to_double(n), 2.0 * stp_dotd(view.light, stp_to_double(n))),
