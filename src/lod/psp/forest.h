@@ -87,6 +87,15 @@ STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_
                                             stp_psp_forest* forest);
 void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
 
+/// Replaces the levels of a forest by those of STP_PSP_REGIONS, whichever metric chose the merges:
+/// the largest difference between pictures (region.h) of a merge and all merges below it, as an
+/// area. They may decrease from merge to merge.
+/// @param points those of the forest, with areas
+/// @param two_sided as in stp_psp_desc
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the levels are unchanged)
+STP_MUST_USE stp_result stp_psp_measure_pictures(stp_context* context, const stp_psp_points* points,
+                                                 bool two_sided, stp_psp_forest* forest);
+
 /// The remaining splats, without the merge history.
 typedef struct stp_psp_splats {
     uint32_t count;
