@@ -72,6 +72,7 @@ typedef struct stp_psp_forest {
     uint8_t* colors;       ///< 3 per splat, sRGB; means by area
     stp_psp_merge* merges;
     uint32_t* parents; ///< per splat, the merge that consumed it; UINT32_MAX: none
+    bool ranked;       ///< levels are ranks of merges (stp_psp_rank_merges)
 } stp_psp_forest;
 
 /// Merges until `target` splats are left, or no merge is allowed. Points whose neighbours all face
@@ -130,6 +131,16 @@ typedef struct stp_psp_sequence {
     uint32_t* ranges;
     float* highest_left; ///< highest level among a splat and all after it
 } stp_psp_sequence;
+
+#define STP_PSP_RANK_MAX 0x1p-40f ///< all ranks of merges are lower levels
+
+/// Replaces the levels of a forest by ranks, with which its sequence is the paper's record of merges:
+/// splits undo the merges in reverse order. Ranks are levels below any size that a view asks for, so
+/// it draws the splats that were left, and a count of splats draws the state of that count.
+/// With more than about 40,000 merges, runs of consecutive merges share ranks, and are undone in
+/// another order within a run.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the levels are unchanged)
+STP_MUST_USE stp_result stp_psp_rank_merges(stp_context* context, stp_psp_forest* forest);
 
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_sequence_destroy, also after
 ///         a failure
