@@ -18,7 +18,7 @@
 
 static struct {
     const char *output, *method, *columns;
-    int order, error, metric;
+    int order, error, metric, psp_metric;
     model_axes axes;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
@@ -27,7 +27,7 @@ static struct {
     uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
     bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
         leaf_neighbors_given, normal_neighbors_given;
-    bool json, error_given, color_threshold_given, threshold_given, resume, fresh;
+    bool json, error_given, psp_metric_given, color_threshold_given, threshold_given, resume, fresh;
 } args;
 
 static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
@@ -35,6 +35,8 @@ static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FA
                                              STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM};
 static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
+static const char* const psp_metric_names[] = {"regions", "normals", "distances"};
+static const stp_psp_metric psp_metrics[] = {STP_PSP_REGIONS, STP_PSP_NORMALS, STP_PSP_DISTANCES};
 static const char* const capture_names[] = {"splats", "triangles"};
 static const stp_tree_error errors[] = {STP_TREE_GEOMETRIC, STP_TREE_DIAMETER};
 
@@ -184,6 +186,18 @@ static const option table[] = {
      .value = &args.color_threshold,
      .given = &args.color_threshold_given,
      .lab_only = true},
+    {.name = "psp-metric",
+     .type = OPTION_CHOICE,
+     .argument = "NAME",
+     .words = "regions|normals|distances",
+     .help =
+         "error that decides which splats are merged: regions (change of the picture), or those "
+         "of the paper: normals (change of the normals) and distances (of the samples from "
+         "their splat); default regions",
+     .value = &args.psp_metric,
+     .given = &args.psp_metric_given,
+     .group = "Method psp",
+     .rare = true},
     {.name = "leaf-points",
      .type = OPTION_COUNT,
      .argument = "N",
@@ -304,6 +318,10 @@ static char* parameters_json(void)
         (void)json_object_set_new(json, "error",
                                   json_string(args.error != 0 ? "qsplat" : "unified"));
     }
+    if (args.psp_metric_given) {
+        (void)json_object_set_new(json, "psp_metric",
+                                  json_string(psp_metric_names[args.psp_metric]));
+    }
     if (args.color_threshold_given) {
         (void)json_object_set_new(json, "color_threshold",
                                   json_integer((json_int_t)args.color_threshold));
@@ -351,6 +369,7 @@ static int build(stp_context* context, int argc, char** argv)
         .memory_bytes = args.memory,
     };
     desc.method_options.tree.error = errors[args.error];
+    desc.method_options.psp_metric = psp_metrics[args.psp_metric];
     if (args.leaf_points_given) {
         desc.method_options.leaves.budget = (uint32_t)args.leaf_points;
     }
@@ -422,9 +441,10 @@ static int run(int argc, char** argv)
             "--method is a list of blue, spt, psp and stochastic, each at most once, not %s",
             args.method);
     }
-    bool point_trees = false, leaves = false;
+    bool point_trees = false, merges = false, leaves = false;
     for (uint32_t i = 0; i < count; ++i) {
         point_trees = point_trees || chosen[i]->id == STP_METHOD_SPT;
+        merges = merges || chosen[i]->id == STP_METHOD_PSP;
         leaves = leaves || chosen[i]->id == STP_METHOD_STOCHASTIC;
     }
     const char* needless = args.leaf_points_given        ? "leaf-points"
@@ -440,6 +460,9 @@ static int run(int argc, char** argv)
     if (!point_trees && (args.error_given || args.color_threshold_given)) {
         return tool_usage_error("--%s requires --method spt",
                                 args.error_given ? "error" : "color-threshold");
+    }
+    if (!merges && args.psp_metric_given) {
+        return tool_usage_error("--psp-metric requires --method psp");
     }
     if (args.resume && args.fresh) {
         return tool_usage_error("--resume and --fresh exclude each other");

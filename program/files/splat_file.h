@@ -13,7 +13,10 @@ typedef struct tool_splats {
     const uint32_t* indices; ///< splats to write, in this order
     uint32_t count;          ///< number of indices
     double origin[3];        ///< to be added to centres
-    // for a .stip only; by splat, as ellipses are
+    // for a .stip only
+    const uint32_t* ranges; ///< by index, of ranks (stp_psp_rank_merges); NULL: all are drawn
+    uint32_t base;          ///< with ranges: number of splats that views draw; they come first
+    // by splat, as ellipses are
     const uint8_t* coverages;    ///< codes (base/splats/coverage.h); NULL: all are whole
     const uint8_t* materials;    ///< indices of shadings; NULL: the first of all
     const stp_shading* shadings; ///< NULL: one, rough and not metallic

@@ -3,6 +3,7 @@
 
 #include "base/splats/coverage.h"
 #include "base/splats/octahedral.h"
+#include "lod/psp/forest.h"
 #include "lod/set_columns.h"
 #include "program/files/point_file.h"
 #include "store/writer/writer.h"
@@ -86,7 +87,7 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
             stp_shape_of_ellipse(&m->directions, (float)(sqrt(stp_dotd(e.larger, e.larger)) / step),
                                  (float)(sqrt(stp_dotd(e.smaller, e.smaller)) / step),
                                  stp_to_float(e.larger), set->normals + 2 * i);
-        set->ranges[i] = (uint32_t)STP_RANGE_ANY;
+        set->ranges[i] = m->splats->ranges != NULL ? m->splats->ranges[i] : (uint32_t)STP_RANGE_ANY;
         size_t splat = m->splats->indices[i];
         set->materials[i] = m->splats->materials != NULL ? m->splats->materials[splat] : 0;
         set->coverages[i] =
@@ -97,15 +98,30 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+/// Octaves and prefix table: one octave of all splats, or octaves of which views of any size need the
+/// base set.
+static void divide_set(store_maker* m)
+{
+    stp_splats* s = &m->set;
+    uint32_t base = m->splats->ranges != NULL ? m->splats->base : s->count;
+    assert(base > 0 && base <= s->count);
+    if (base == s->count) {
+        s->octave_count = 1;
+        s->octave_ends[0] = s->count;
+        s->table = (stp_prefix_table){.size = 1, .count = {s->count}};
+        return;
+    }
+    stp_set_octaves_make(s);
+    s->table = (stp_prefix_table){
+        .size = 2, .count = {base, s->count}, .radius = {STP_PSP_RANK_MAX, 0.0f}};
+}
+
 static stp_result make_set(store_maker* m)
 {
     stp_splats* s = &m->set;
     size_t count = m->splats->count;
     *s = (stp_splats){.count = m->splats->count,
-                      .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS,
-                      .octave_count = 1,
-                      .octave_ends = {m->splats->count},
-                      .table = {.size = 1, .count = {m->splats->count}}};
+                      .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS};
     s->step = choose_step(m);
     assert((double)s->step * GRID_STEPS >= m->room.max.x - m->room.min.x &&
            (double)s->step * GRID_STEPS >= m->room.max.y - m->room.min.y &&
@@ -115,6 +131,7 @@ static stp_result make_set(store_maker* m)
     if (result != STP_OK) {
         return result;
     }
+    divide_set(m);
     stp_shape_directions_make(&m->directions);
     stp_parallel_for(m->context, count, 4096, fill_splats, m);
     return STP_OK;

@@ -6,7 +6,8 @@
 #include "store/file/store.h"
 
 // The .stip has one set with the splats in their order, by method `psp`: all of them are drawn from
-// any distance, or the first N with --splats N. The file's precision applies: 16 bits per
+// any distance, or the first N with --splats N; splats with ranges are the states of a progressive
+// set. The file's precision applies: 16 bits per
 // coordinate, 8 bits for each component of a normal and for the direction of the major axis, radii
 // up to 0.8 % too large. It contains neither points nor triangles.
 

@@ -23,6 +23,7 @@ enum {
 stp_method_options stp_method_options_default(void)
 {
     return (stp_method_options){.tree = {STP_TREE_GEOMETRIC, SPT_COLORS},
+                                .psp_metric = STP_PSP_REGIONS,
                                 .leaves = stp_leaf_desc_default()};
 }
 
@@ -51,9 +52,13 @@ static stp_result make_spt(stp_context* context, const stp_method_source* source
 static stp_hash hash_psp(stp_hash key, const stp_method_options* options)
 {
     const uint32_t version = PSP_VERSION;
-    (void)options;
     key = stp_hash_bytes(key, "psp", 3);
-    return stp_hash_bytes(key, &version, sizeof(version));
+    key = stp_hash_bytes(key, &version, sizeof(version));
+    if (options->psp_metric != STP_PSP_REGIONS) { // keys of the default stay those of older files
+        const uint32_t metric = (uint32_t)options->psp_metric;
+        key = stp_hash_bytes(key, &metric, sizeof(metric));
+    }
+    return key;
 }
 
 static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
@@ -65,8 +70,7 @@ static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
 static stp_result make_psp(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_splats* splats)
 {
-    (void)options;
-    return stp_psp_make(context, source->samples, source->two_sided, splats);
+    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, splats);
 }
 
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)

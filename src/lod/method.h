@@ -7,13 +7,15 @@
 #include "base/io/hash.h"
 #include "base/splats/splat_columns.h"
 #include "lod/blue/blue.h"
+#include "lod/psp/forest.h"
 #include "lod/spt/point_tree.h"
 #include "lod/stochastic/leaf_octree.h"
 
 /// Options of all methods. Start from stp_method_options_default(); all zero is not the default.
 typedef struct stp_method_options {
-    stp_tree_desc tree;   ///< options of `spt`
-    stp_leaf_desc leaves; ///< options of `stochastic`
+    stp_tree_desc tree;        ///< options of `spt`
+    stp_psp_metric psp_metric; ///< which pairs `psp` merges; default STP_PSP_REGIONS
+    stp_leaf_desc leaves;      ///< options of `stochastic`
 } stp_method_options;
 
 stp_method_options stp_method_options_default(void);

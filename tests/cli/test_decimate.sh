@@ -174,6 +174,24 @@ for metric in normals distances; do
     set -- $area
     [ "$1" = "$2" ] || fail "--metric $metric: area $1 with normals, $2 without"
 done
+# the record of merges: a base set of 100 splats, and the states of all other counts
+refused 2 'record needs a name' decimate ball.ply -o a.ply --record
+refused 2 'record.* need --by psp' decimate ball.ply -o a.stip --record --by blue
+for metric in normals distances; do
+    "$stipple" -q decimate ball.ply -o record.stip --splats 100 --metric $metric --record --json > record.json || fail "--record"
+    [ "$(value record.json splats)" = 100 ] || fail "a record of 100 splats: $(cat record.json)"
+    "$stipple" -q check record.stip || fail "the record of $metric is wrong"
+    "$stipple" -q render record.stip -o base.png --size 160x120 --once --json > base.json || fail "render record.stip"
+    [ "$(value base.json splats)" = 100 ] || fail "the base set is drawn as $(value base.json splats) splats"
+    for count in 100 101 700; do
+        "$stipple" -q decimate ball.ply -o state.stip --splats $count --metric $metric > out || fail "decimate to $count"
+        "$stipple" -q render state.stip -o state.png --size 160x120 --once --eye 1,2,3 --target 0,0,0 || fail "render state.stip"
+        "$stipple" -q render record.stip -o part.png --size 160x120 --splats $count --once --eye 1,2,3 --target 0,0,0 --json > part.json || fail "--splats $count of a record"
+        [ "$(value part.json splats)" = $count ] || fail "$count splats of a record: $(cat part.json)"
+        "$stipple" compare part.png state.png --json > compare.json
+        holds "$(value compare.json ssim) > 0.995" || fail "$metric, $count splats: $(cat compare.json)"
+    done
+done
 mkdir -p spills
 for metric in normals distances; do
     "$stipple" -q decimate many.ply -o whole-$metric.ply --splats 500 --metric $metric > out || fail "many points"

@@ -141,6 +141,35 @@ done
 # options of point trees only
 refused 2 'method spt' build floor.obj -o other.stip --error qsplat
 refused 2 'method spt' build floor.obj -o other.stip --color-threshold 3
+# merges by the metrics of the paper: other valid files, which draw; the default is `regions`
+psp() # NAME OPTIONS...
+{
+    # shellcheck disable=SC2086
+    "$stipple" -q build $small -o "$1.stip" --method psp --levels off "${@:2}" || fail "no build of psp: $*"
+}
+psp merged
+draw merged.stip original --reference
+draw merged.stip regions
+for metric in normals distances; do
+    psp $metric --psp-metric $metric
+    "$stipple" -q check $metric.stip || fail "$metric.stip is wrong"
+    cmp -s $metric.stip merged.stip && fail "--psp-metric $metric is the default"
+    grep -aq "\"psp_metric\":\"$metric\"" $metric.stip || fail "the file does not say $metric"
+    draw $metric.stip $metric
+    cmp -s $metric.png regions.png && fail "$metric draws the default's splats"
+    "$stipple" compare $metric.png original.png --json > compare.json
+    holds "$(value compare.json ssim) > 0.6" || fail "$metric draws something else: $(cat compare.json)"
+    # a build over a file of another metric reuses none of its sets
+    cp merged.stip over.stip
+    psp over --psp-metric $metric
+    cmp -s over.stip $metric.stip || fail "sets of another metric were reused"
+done
+cmp -s normals.stip distances.stip && fail "both metrics make the same file"
+grep -aq psp_metric merged.stip && fail "a default is recorded"
+psp over
+cmp -s over.stip merged.stip || fail "the default after another metric differs"
+refused 2 'psp-metric requires --method psp' build floor.obj -o other.stip --psp-metric normals
+refused 2 'psp-metric' build floor.obj -o other.stip --method psp --psp-metric zebra
 # options that only stipple-lab has
 "$stipple" build --help-all > help
 for option in samples interval color-threshold leaf-points leaf-neighbors normal-neighbors; do

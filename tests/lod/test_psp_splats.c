@@ -56,7 +56,7 @@ static uint32_t find_next(const stp_splats* s, uint32_t end, const bool* is_spli
 }
 
 // One root; each split replaces an earlier splat by two, in the order given by the ranges.
-void test_psp_sets_imply_their_forest(test_state* test)
+static void check_imply_their_forest(test_state* test, stp_psp_metric metric)
 {
     static samples from;
     static bool is_split[2 * SAMPLES];
@@ -64,7 +64,7 @@ void test_psp_sets_imply_their_forest(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
     CHECK_EQUAL(2 * SAMPLES - 1, s.count);
     CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
     CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
@@ -99,16 +99,23 @@ void test_psp_sets_imply_their_forest(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_psp_sets_imply_their_forest(test_state* test)
+{
+    check_imply_their_forest(test, STP_PSP_REGIONS);
+    check_imply_their_forest(test, STP_PSP_NORMALS);
+    check_imply_their_forest(test, STP_PSP_DISTANCES);
+}
+
 // From any viewpoint, a splat is drawn near each sample, and far fewer splats are drawn
 // at a high level.
-void test_psp_sets_cover_at_every_level(test_state* test)
+static void check_cover_at_every_level(test_state* test, stp_psp_metric metric)
 {
     static samples from;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
@@ -143,6 +150,13 @@ void test_psp_sets_cover_at_every_level(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_psp_sets_cover_at_every_level(test_state* test)
+{
+    check_cover_at_every_level(test, STP_PSP_REGIONS);
+    check_cover_at_every_level(test, STP_PSP_NORMALS);
+    check_cover_at_every_level(test, STP_PSP_DISTANCES);
+}
+
 // If all points of a cloud are samples, their radius is 0; merged splats still have no holes.
 void test_psp_sets_of_all_points_have_no_holes(test_state* test)
 {
@@ -153,7 +167,7 @@ void test_psp_sets_of_all_points_have_no_holes(test_state* test)
     from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
     from.set.table.radius[0] = 1e-4f;
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
     uint32_t whole = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
         whole += s.coverages[i] == STP_COVERAGE_WHOLE;
@@ -191,14 +205,14 @@ void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats known, guessed;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &known));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &known));
     for (uint32_t i = 0; i < SAMPLES; ++i) {
         if (unit(9, i) < 0.5) {
             stp_vec3 n = stp_octahedral_decode(from.normals[2 * i], from.normals[2 * i + 1]);
             stp_octahedral_encode(stp_scale(n, -1.0f), from.normals + 2 * i);
         }
     }
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, &guessed));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, &guessed));
     CHECK_EQUAL(known.count, guessed.count);
     for (float level = 0.03f; level < 0.5f; level *= 1.5f) {
         uint32_t right = count_drawn(&known, level), drawn = count_drawn(&guessed, level);
@@ -217,7 +231,7 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, &sets[i]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
@@ -240,7 +254,7 @@ void test_psp_sets_of_few_samples(test_state* test)
                 from.positions[i] = 7;
                 from.set.table.radius[0] = 0.0f;
             }
-            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, &s));
+            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
             CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
             for (uint32_t i = 0; i < s.count; ++i) {
                 CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
@@ -251,23 +265,53 @@ void test_psp_sets_of_few_samples(test_state* test)
     stp_context_destroy(context);
 }
 
+// A metric merges other pairs, but levels are differences of pictures with any: the counts that a
+// level draws are alike, and no level of the paper's metrics decreases towards the root.
+void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
+{
+    static samples from;
+    make_sphere(&from, SAMPLES);
+    const stp_psp_metric metrics[] = {STP_PSP_REGIONS, STP_PSP_NORMALS, STP_PSP_DISTANCES};
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_splats sets[3];
+    for (int k = 0; k < 3; ++k) {
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], &sets[k]));
+    }
+    for (int k = 1; k < 3; ++k) {
+        CHECK(!is_same(&sets[0], &sets[k]));
+        for (float level = 0.03f; level < 0.3f; level *= 1.5f) {
+            uint32_t drawn = count_drawn(&sets[k], level), plain = count_drawn(&sets[0], level);
+            CHECK(drawn < 2 * plain && plain < 2 * drawn);
+        }
+    }
+    CHECK(!is_same(&sets[1], &sets[2]));
+    for (int k = 0; k < 3; ++k) {
+        stp_splats_destroy(context, &sets[k]);
+    }
+    stp_context_destroy(context);
+}
+
 void test_psp_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
     make_sphere(&from, 200);
-    bool made = false;
-    for (int n = 1; !made && n < 300; ++n) {
-        test_heap heap = TEST_HEAP(n);
-        stp_context* context = test_context(&heap, 1, NULL);
-        stp_splats s = {0};
-        if (context != NULL) {
-            made = stp_psp_make(context, &from.set, false, &s) == STP_OK && heap.count <= n;
-            stp_splats_destroy(context, &s);
+    const stp_psp_metric metrics[] = {STP_PSP_REGIONS, STP_PSP_DISTANCES};
+    for (int k = 0; k < 2; ++k) {
+        bool made = false;
+        for (int n = 1; !made && n < 300; ++n) {
+            test_heap heap = TEST_HEAP(n);
+            stp_context* context = test_context(&heap, 1, NULL);
+            stp_splats s = {0};
+            if (context != NULL) {
+                made = stp_psp_make(context, &from.set, false, metrics[k], &s) == STP_OK &&
+                       heap.count <= n;
+                stp_splats_destroy(context, &s);
+            }
+            stp_context_destroy(context);
+            CHECK_EQUAL(0, heap.live_bytes);
         }
-        stp_context_destroy(context);
-        CHECK_EQUAL(0, heap.live_bytes);
+        CHECK(made);
     }
-    CHECK(made);
 }
 
 // Sums of parts equal the sums of all samples; fitting recovers an evenly sampled ellipse.

@@ -72,6 +72,7 @@ typedef struct stp_psp_forest {
     uint8_t* colors;       ///< 3 per splat, sRGB; means by area
     stp_psp_merge* merges;
     uint32_t* parents; ///< per splat, the merge that consumed it; UINT32_MAX: none
+    bool ranked;       ///< levels are ranks of merges (stp_psp_rank_merges)
 } stp_psp_forest;
 
 /// Merges until `target` splats are left, or no merge is allowed. Points whose neighbours all face
@@ -86,6 +87,15 @@ STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_
                                             const stp_psp_desc* desc, uint32_t target,
                                             stp_psp_forest* forest);
 void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
+
+/// Replaces the levels of a forest by those of STP_PSP_REGIONS, whichever metric chose the merges:
+/// the largest difference between pictures (region.h) of a merge and all merges below it, as an
+/// area. They may decrease from merge to merge.
+/// @param points those of the forest, with areas
+/// @param two_sided as in stp_psp_desc
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the levels are unchanged)
+STP_MUST_USE stp_result stp_psp_measure_pictures(stp_context* context, const stp_psp_points* points,
+                                                 bool two_sided, stp_psp_forest* forest);
 
 /// The remaining splats, without the merge history.
 typedef struct stp_psp_splats {
@@ -121,6 +131,16 @@ typedef struct stp_psp_sequence {
     uint32_t* ranges;
     float* highest_left; ///< highest level among a splat and all after it
 } stp_psp_sequence;
+
+#define STP_PSP_RANK_MAX 0x1p-40f ///< all ranks of merges are lower levels
+
+/// Replaces the levels of a forest by ranks, with which its sequence is the paper's record of merges:
+/// splits undo the merges in reverse order. Ranks are levels below any size that a view asks for, so
+/// it draws the splats that were left, and a count of splats draws the state of that count.
+/// With more than about 40,000 merges, runs of consecutive merges share ranks, and are undone in
+/// another order within a run.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the levels are unchanged)
+STP_MUST_USE stp_result stp_psp_rank_merges(stp_context* context, stp_psp_forest* forest);
 
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_sequence_destroy, also after
 ///         a failure

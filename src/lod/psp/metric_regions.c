@@ -61,9 +61,7 @@ static void turn(void* state)
 {
     stp_psp_region region;
     memcpy(&region, state, sizeof(region));
-    for (int k = 0; k < 3; ++k) {
-        region.normal[k] = -region.normal[k];
-    }
+    stp_psp_region_turn(&region);
     memcpy(state, &region, sizeof(region));
 }
 

@@ -70,7 +70,18 @@ static stp_result make_forest(psp_maker* m)
     desc.metric = m->metric;
     desc.two_sided = m->two_sided;
     desc.connect_components = true;
-    return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
+    stp_result result = stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
+    if (result == STP_OK && m->metric != STP_PSP_REGIONS) {
+        result = stp_psp_measure_pictures(m->context, &from, m->two_sided, &m->forest);
+    }
+    return result;
+}
+
+/// Margin around the ellipse of a merge by one of the paper's metrics, so that it covers the drawn
+/// samples: STP_PSP_NORMALS covers disks that reach beyond them, STP_PSP_DISTANCES their centres.
+static float margin_of_cover(const psp_maker* m)
+{
+    return m->metric == STP_PSP_DISTANCES ? m->points.points.radius : 0.0f;
 }
 
 /// Shape and coverage of a merged splat.
@@ -78,12 +89,13 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
 {
     const stp_ellipse* e = &m->forest.ellipses[splat];
     float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
+    bool covers = m->metric != STP_PSP_REGIONS;
     float share = area / (float)(PI * (double)major * (double)minor);
-    bool scattered = share < SCATTERED;
+    bool scattered = !covers && share < SCATTERED;
     // splats that cover little of their samples' disks, such as wires, get only part of the margin
     float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
-    float margin = MARGIN * m->spacing * fminf(filled, 1.0f);
-    float scale = scattered ? 1.0f : GROWTH;
+    float margin = covers ? margin_of_cover(m) : MARGIN * m->spacing * fminf(filled, 1.0f);
+    float scale = scattered || covers ? 1.0f : GROWTH;
     m->splats->coverages[at] =
         scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
     float step = m->splats->step; // rounding moves centres by up to half the diagonal of a cell
@@ -175,13 +187,7 @@ static stp_result make(psp_maker* m)
 }
 
 stp_result stp_psp_make(stp_context* context, const stp_splats* samples, bool two_sided,
-                        stp_splats* splats)
-{
-    return stp_psp_make_by(context, samples, two_sided, STP_PSP_REGIONS, splats);
-}
-
-stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples, bool two_sided,
-                           stp_psp_metric metric, stp_splats* splats)
+                        stp_psp_metric metric, stp_splats* splats)
 {
     psp_maker m = {.context = context,
                    .samples = samples,

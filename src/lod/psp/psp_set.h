@@ -17,11 +17,9 @@ enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT
 /// is drawn if the coverage radius requested by the view lies in its range.
 /// @param two_sided whether the signs of the samples' normals are a guess: samples that face away
 /// from each other may then be merged
+/// @param metric which pairs are merged, and the ellipses of merges. Ranges are differences of
+/// pictures with any metric (region.h)
 /// @param splats arrays come from stp_alloc
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
-                                     bool two_sided, stp_splats* splats);
-
-/// The same with a given metric; sets of the method use STP_PSP_REGIONS.
-STP_MUST_USE stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples,
-                                        bool two_sided, stp_psp_metric metric, stp_splats* splats);
+                                     bool two_sided, stp_psp_metric metric, stp_splats* splats);

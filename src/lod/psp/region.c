@@ -63,6 +63,13 @@ stp_psp_region stp_psp_region_add(const stp_psp_region* a, const stp_psp_region*
     return r;
 }
 
+void stp_psp_region_turn(stp_psp_region* region)
+{
+    for (int k = 0; k < 3; ++k) {
+        region->normal[k] = -region->normal[k];
+    }
+}
+
 stp_ellipse stp_psp_region_ellipse(const stp_psp_region* r, stp_vec3 fallback)
 {
     stp_vec3 n = {r->normal[0], r->normal[1], r->normal[2]};

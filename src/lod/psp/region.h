@@ -22,6 +22,8 @@ typedef struct stp_psp_region {
 
 stp_psp_region stp_psp_region_of(const stp_psp_sample* sample);
 stp_psp_region stp_psp_region_add(const stp_psp_region* a, const stp_psp_region* b);
+/// Turns the normals to the other side.
+void stp_psp_region_turn(stp_psp_region* region);
 
 /// The ellipse with the mean, the normal and the variances of a region. An elliptical region yields
 /// itself.

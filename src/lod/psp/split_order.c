@@ -16,6 +16,7 @@
 typedef struct root {
     float level;
     uint32_t splat;
+    uint32_t order; ///< of equal levels, the lower one comes first
 } root;
 
 typedef struct splitter {
@@ -63,7 +64,7 @@ static int compare_roots(const void* a, const void* b)
     if (l->level != r->level) {
         return l->level > r->level ? -1 : 1;
     }
-    return l->splat < r->splat ? -1 : 1;
+    return l->order < r->order ? -1 : 1;
 }
 
 static void append_roots(splitter* s, root* roots)
@@ -72,7 +73,7 @@ static void append_roots(splitter* s, root* roots)
     uint32_t count = 0;
     for (uint32_t i = 0; i < f->point_count + f->merge_count; ++i) {
         if (f->parents[i] == UINT32_MAX) {
-            roots[count++] = (root){level_of(f, i), i};
+            roots[count++] = (root){level_of(f, i), i, f->ranked ? UINT32_MAX - i : i};
         }
     }
     qsort(roots, count, sizeof(*roots), compare_roots);
@@ -82,10 +83,13 @@ static void append_roots(splitter* s, root* roots)
 }
 
 /// Highest level of a part: the lowest level of its merge, plus the maximum difference of levels
-/// between their positions.
+/// between their positions. Ranks are the same everywhere.
 static float find_highest(const splitter* s, uint32_t merge, uint32_t part)
 {
     const stp_psp_forest* f = s->forest;
+    if (f->ranked) {
+        return level_of(f, f->point_count + merge);
+    }
     stp_vec3 d = stp_sub(f->ellipses[part].center, f->ellipses[f->point_count + merge].center);
     return (level_of(f, f->point_count + merge) + STP_LEVEL_SLOPE * stp_length(d)) * 1.000001f;
 }
