@@ -14,6 +14,7 @@
 #include "program/options/command.h"
 #include "program/options/tool.h"
 #include "program/present/picture_file.h"
+#include "scene/strays.h"
 #include "select/camera.h"
 
 #include <string.h>
@@ -135,7 +136,17 @@ static stp_result open_built(thumbnail* t)
     return tool_open_scene_for(t->context, t->path, SCENE_FOR_A_PICTURE, &t->store);
 }
 
-/// Makes splats of a model for the view, unless the model is too large.
+/// Whether points lie far from the rest of their cloud: only a build separates them.
+static bool has_strays(const stp_scene* scene)
+{
+    bool any = false;
+    for (size_t i = 0; i < scene->point_set_count && !any; ++i) {
+        any = stp_strays_find(&scene->point_sets[i]).count > 0;
+    }
+    return any;
+}
+
+/// Makes splats of a model for the view, unless the model is too large or has strays.
 static stp_result open_model(thumbnail* t)
 {
     stp_scene* scene = NULL;
@@ -147,7 +158,7 @@ static stp_result open_model(thumbnail* t)
         result = stp_fail(t->context, STP_ERROR_FORMAT,
                           "%s: expected triangles or points, found none", t->path);
     }
-    bool large = any && root->triangle_count > max_triangles;
+    bool large = any && (root->triangle_count > max_triangles || has_strays(scene));
     t->is_cloud = any && root->triangle_count == 0;
     if (result == STP_OK && !large) {
         stp_farthest_graph graph = scene_farthest_graph(scene);

@@ -54,6 +54,10 @@ for name in clean stray strays; do
     "$stipple" -q render $name.stip -o $name.png --size 96x72 --json > $name.json || fail "render $name"
     [ "$(value $name.json covered_pixels)" = "$(value clean.json covered_pixels)" ] || fail "$name shrinks the cloud"
 done
+"$stipple" -q thumbnail strays.xyz -o far.png --size 80x80 || fail "thumbnail of a cloud with strays"
+python3 -c 'from read_png import covered
+margins = covered("far.png")
+assert max(margins[:2]) < 0.1, margins' || fail "strays shrink a thumbnail"
 grep -q "1 point lies up to 4528 km from the rest" stray.log || fail "the stray is not named: $(cat stray.log)"
 grep -q "3 points lie up to .* km from the rest" strays.log || fail "the strays are not named: $(cat strays.log)"
 ! grep -q "from the rest" clean.log || fail "strays of a clean cloud"
