@@ -35,13 +35,18 @@ bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d n
     return true;
 }
 
+double stp_sections_box_margin(const stp_boxd* box, double rounding)
+{
+    stp_vec3d size = stp_subd(box->max, box->min);
+    return WIDER * sqrt(stp_dotd(size, size)) + rounding;
+}
+
 bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box, double rounding)
 {
     static const stp_vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     uint32_t before = sections->count;
     bool added = !stp_boxd_is_empty(*box);
-    stp_vec3d size = stp_subd(box->max, box->min);
-    double wider = WIDER * sqrt(stp_dotd(size, size)) + rounding;
+    double wider = stp_sections_box_margin(box, rounding);
     stp_vec3d margin = {wider, wider, wider};
     for (int k = 0; k < 3; ++k) {
         added =

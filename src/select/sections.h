@@ -21,6 +21,9 @@ bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d n
 /// of the box stay whole.
 bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box, double rounding);
 
+/// How far the planes of stp_sections_add_box lie outside the box.
+double stp_sections_box_margin(const stp_boxd* box, double rounding);
+
 /// Drops the planes that cut nothing off a box whose content may lie outside it by `rounding`: near
 /// a plane, views draw less freely.
 void stp_sections_drop_idle(stp_sections* sections, const stp_boxd* box, double rounding);

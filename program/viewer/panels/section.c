@@ -75,7 +75,13 @@ void section_take(viewer* v, const stp_sections* sections)
     stp_boxd box;
     assert(sections->count <= STP_SECTION_PLANES && "as many as the state has room for");
     s->has_box = find_box(sections, &box);
-    s->box = s->has_box ? box : s->box;
+    if (s->has_box) { // without the margin, which section_make adds again
+        double wider =
+            stp_sections_box_margin(&box, v->explorer != NULL ? v->explorer->rounding : 0.0);
+        stp_vec3d margin = {wider, wider, wider};
+        stp_boxd inner = {stp_addd(box.min, margin), stp_subd(box.max, margin)};
+        s->box = stp_boxd_is_empty(inner) ? box : inner;
+    }
     for (uint32_t i = s->has_box ? 6 : 0; i < sections->count; ++i) {
         const stp_section_plane* p = &sections->planes[i];
         double length = sqrt(stp_dotd(p->normal, p->normal));
