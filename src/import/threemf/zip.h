@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Reads files of a ZIP archive in memory (PKWARE APPNOTE 6.3): stored or deflated, without
-// encryption and without the 64-bit extension.
+// Reads files of a ZIP archive in memory (PKWARE APPNOTE 6.3): stored or deflated, also with the
+// 64-bit extension, without encryption.
 #pragma once
 
 #include "import/reading/import.h"
@@ -10,8 +10,9 @@ typedef struct stp_zip_entry {
     const char* name; ///< within the archive, not terminated
     size_t name_length;
     unsigned method;
-    uint32_t crc, packed, size;
-    uint32_t header; ///< offset of the local header
+    uint32_t crc;
+    uint64_t packed, size; ///< bytes
+    uint64_t header;       ///< offset of the local header
 } stp_zip_entry;
 
 typedef struct stp_zip {
