@@ -243,6 +243,80 @@ void test_3mf_materials(test_state* test)
     CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
 }
 
+// Triangles of two pictures in turn become two meshes. Textures of one path share a picture. One that
+// cannot be read is left out.
+void test_3mf_pictures_in_turn(test_state* test)
+{
+    static archive a;
+    unsigned char tga[22];
+    put_tga(tga, 88);
+#define TEXTURE(id, path) "<texture2d id=\"" id "\" path=\"" path "\"/>"
+#define GROUP(id, texture)                                                                         \
+    "<texture2dgroup id=\"" id "\" texid=\"" texture "\"><tex2coord u=\"0\" v=\"0\"/>"             \
+    "</texture2dgroup>"
+#define FACE(pid) "<triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"" pid "\" p1=\"0\"/>"
+    static const char text[] =
+        "<model><resources>" TEXTURE("1", "/t.tga") TEXTURE("2", "/bad.tga") TEXTURE("3", "/t.tga")
+            GROUP("4", "1") GROUP("5", "2") GROUP("6", "3") "<object id=\"9\">" MESH FACE("4")
+                FACE("5") FACE("6") FACE("5") FACE("4") END_MESH
+        "</object></resources><build><item objectid=\"9\"/></build></model>";
+    a = (archive){.size = 0};
+    add_bytes(&a, "t.tga", tga, sizeof(tga), 0);
+    add_bytes(&a, "bad.tga", tga, sizeof(tga), 0);
+    a.directory[51 + 10] = 12; // BZIP2
+    add_text(&a, "3D/3dmodel.model", text, 1);
+    end_archive(&a);
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_result result;
+    stp_scene* scene = import_archive(context, &a, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK(scene_is_sound(scene) && log.errors == 0 && log.warnings == 1);
+    CHECK_EQUAL(2, scene->mesh_count);
+    CHECK_EQUAL(1, scene->texture_count);
+    CHECK(scene->meshes[0].triangle_count == 3 && scene->meshes[1].triangle_count == 2);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
+}
+
+// The relationships name the model with the build; without them, it is the first with items.
+void test_3mf_root_models(test_state* test)
+{
+    static archive a;
+    static const char other[] =
+        "<model unit=\"inch\"><resources><object id=\"1\">" MESH FACES END_MESH
+        "</object></resources><build/></model>";
+    static const char rels[] =
+        "<Relationships><Relationship Type=\"http://x/thumbnail\" "
+        "Target=\"/t.png\"/><Relationship Type=\"http://schemas.microsoft.com/"
+        "3dmanufacturing/2013/01/3dmodel\" Target=\"/3D/b.model\"/>"
+        "</Relationships>";
+    static const char root[] =
+        "<model unit=\"foot\"><resources><object id=\"1\">" MESH FACES END_MESH
+        "</object></resources><build><item objectid=\"1\"/></build></model>";
+    for (int kind = 0; kind < 4; ++kind) { // relationships, none, damaged ones, and no item
+        a = (archive){.size = 0};
+        add_text(&a, "3D/a.model", kind == 0 ? simple : other, 1);
+        add_text(&a, "3D/b.model", kind == 3 ? other : root, 1);
+        if (kind != 1) {
+            add_text(&a, "_rels/.rels", kind == 2 ? "<Relationships" : rels, 1);
+        }
+        end_archive(&a);
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_result result;
+        stp_scene* scene = import_archive(context, &a, &result);
+        CHECK_EQUAL(STP_OK, result);
+        CHECK_EQUAL(kind == 3 ? 1 : 0, log.warnings);
+        CHECK_EQUAL(kind == 3 ? 0 : 1, scene->mesh_count);
+        CHECK(scene->unit_metres == (kind == 3 ? 0.0254 : 0.3048));
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+        CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
+    }
+}
+
 static int refuses_model(const char* text, stp_result wanted, const char* says)
 {
     static archive a;

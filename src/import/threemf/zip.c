@@ -209,23 +209,23 @@ static bool unpack(const unsigned char* data, const stp_zip_entry* entry, unsign
     return good;
 }
 
-stp_result stp_zip_read(stp_zip* zip, const stp_zip_entry* entry, unsigned char** bytes,
-                        size_t* size)
+stp_result stp_zip_unpack(stp_zip* zip, const stp_zip_entry* entry, unsigned char** bytes,
+                          size_t* size, const char** reason)
 {
     stp_context* context = zip->import->context;
     const unsigned char* data = find_data(zip, entry);
     bool stored = entry->method == STORED;
     *bytes = NULL;
     if (!stored && entry->method != DEFLATED) {
-        return stp_fail(context, STP_ERROR_UNSUPPORTED,
-                        "%s: \"%.*s\" is compressed by method %u, which is not supported",
-                        zip->import->path, (int)entry->name_length, entry->name, entry->method);
+        *reason = "its compression is not supported";
+        return STP_ERROR_UNSUPPORTED;
     }
     bool plausible = data != NULL && (stored ? entry->size == entry->packed
                                              : entry->size / EXPANSION <= entry->packed);
     zip->unpacked += plausible ? entry->size : 0; // entries may share their bytes
     if (!plausible || zip->unpacked / EXPANSION > zip->import->file.size) {
-        return fail(zip, "has an entry that is not in the file");
+        *reason = "it is not in the file";
+        return STP_ERROR_FORMAT;
     }
     unsigned char* out = stp_alloc(context, (size_t)entry->size + 1);
     if (out == NULL) {
@@ -233,10 +233,28 @@ stp_result stp_zip_read(stp_zip* zip, const stp_zip_entry* entry, unsigned char*
     }
     if (!unpack(data, entry, out) || libdeflate_crc32(0, out, (size_t)entry->size) != entry->crc) {
         stp_free(context, out);
-        return stp_fail(context, STP_ERROR_FORMAT, "%s: \"%.*s\" is damaged", zip->import->path,
-                        (int)entry->name_length, entry->name);
+        *reason = "it is damaged";
+        return STP_ERROR_FORMAT;
     }
     *bytes = out;
     *size = (size_t)entry->size;
     return STP_OK;
+}
+
+stp_result stp_zip_read(stp_zip* zip, const stp_zip_entry* entry, unsigned char** bytes,
+                        size_t* size)
+{
+    const char* reason = NULL;
+    stp_result result = stp_zip_unpack(zip, entry, bytes, size, &reason);
+    if (result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY) {
+        return result;
+    }
+    assert(reason != NULL);
+    if (result == STP_ERROR_UNSUPPORTED) {
+        return stp_fail(zip->import->context, result,
+                        "%s: \"%.*s\" is compressed by method %u, which is not supported",
+                        zip->import->path, (int)entry->name_length, entry->name, entry->method);
+    }
+    return stp_fail(zip->import->context, result, "%s: \"%.*s\" cannot be read: %s",
+                    zip->import->path, (int)entry->name_length, entry->name, reason);
 }

@@ -30,7 +30,13 @@ void stp_zip_close(stp_zip* zip);
 /// The entry of a path, ignoring a slash at its beginning and the case of letters; NULL: none.
 const stp_zip_entry* stp_zip_find(const stp_zip* zip, const char* path);
 
-/// Unpacks an entry; the caller frees `*bytes`. @return STP_OK, STP_ERROR_FORMAT,
+/// Unpacks an entry that may be left out; sets `reason` on failure. The caller frees `*bytes`.
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED (not logged), STP_ERROR_OUT_OF_MEMORY
+/// (logged)
+STP_MUST_USE stp_result stp_zip_unpack(stp_zip* zip, const stp_zip_entry* entry,
+                                       unsigned char** bytes, size_t* size, const char** reason);
+
+/// Same, for an entry that must be there; the caller frees `*bytes`. @return STP_OK, STP_ERROR_FORMAT,
 /// STP_ERROR_UNSUPPORTED, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_zip_read(stp_zip* zip, const stp_zip_entry* entry,
                                      unsigned char** bytes, size_t* size);
