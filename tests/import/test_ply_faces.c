@@ -303,3 +303,21 @@ void test_ply_vertices_that_are_not_finite(test_state* test)
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
+
+// Doubles that floats cannot hold are 0, as those that are not finite.
+void test_ply_texture_coordinates_beyond_floats(test_state* test)
+{
+    static const char text[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty double texture_u\nproperty double texture_v\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0 1e300 1e300\n1 0 0 0.5 -1e300\n"
+        "0 1 0 nan 0.25\n3 0 1 2\n";
+    static const float wanted[6] = {0.0f, 0.0f, 0.5f, 0.0f, 0.0f, 0.75f};
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_ply(context, text, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK(memcmp(scene->meshes[0].texcoords[0], wanted, sizeof(wanted)) == 0);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
