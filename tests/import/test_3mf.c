@@ -11,6 +11,7 @@ typedef struct archive {
     size_t size;
     unsigned char directory[2048];
     size_t directory_size, count;
+    bool wide; ///< with the 64-bit extension, as lib3mf writes it
 } archive;
 
 static void put(archive* a, const void* bytes, size_t size)
@@ -37,6 +38,16 @@ static void add_bytes(archive* a, const char* name, const void* bytes, size_t si
     stp_write_u32(head + 24, (uint32_t)size);
     stp_write_u16(head + 28, (uint16_t)length);
     stp_write_u32(head + 42, (uint32_t)start);
+    unsigned char extra[28] = {1, 0, 24};
+    size_t extra_size = a->wide ? sizeof(extra) : 0;
+    if (a->wide) {
+        stp_write_u64(extra + 4, size);
+        stp_write_u64(extra + 12, packed_size);
+        stp_write_u64(extra + 20, start);
+        memset(head + 20, 0xff, 8);
+        stp_write_u16(head + 30, (uint16_t)extra_size);
+        memset(head + 42, 0xff, 4);
+    }
     put(a, "PK\3\4", 4);
     put(a, head + 6, 24);
     put(a, "\0\0", 2);
@@ -45,7 +56,8 @@ static void add_bytes(archive* a, const char* name, const void* bytes, size_t si
     memcpy(head, "PK\1\2", 4);
     memcpy(a->directory + a->directory_size, head, 46);
     memcpy(a->directory + a->directory_size + 46, name, length);
-    a->directory_size += 46 + length;
+    memcpy(a->directory + a->directory_size + 46 + length, extra, extra_size);
+    a->directory_size += 46 + length + extra_size;
     a->count += 1;
 }
 
@@ -61,7 +73,21 @@ static void end_archive(archive* a)
     stp_write_u16(end + 10, (uint16_t)a->count);
     stp_write_u32(end + 12, (uint32_t)a->directory_size);
     stp_write_u32(end + 16, (uint32_t)a->size);
-    put(a, a->directory, a->directory_size);
+    if (a->wide) {
+        unsigned char wide[76] = "PK\6\6";
+        stp_write_u64(wide + 4, 44);
+        stp_write_u64(wide + 24, a->count);
+        stp_write_u64(wide + 32, a->count);
+        stp_write_u64(wide + 40, a->directory_size);
+        stp_write_u64(wide + 48, a->size);
+        memcpy(wide + 56, "PK\6\7", 4);
+        stp_write_u64(wide + 64, a->size + a->directory_size);
+        put(a, a->directory, a->directory_size);
+        memset(end + 16, 0xff, 4);
+        put(a, wide, sizeof(wide));
+    } else {
+        put(a, a->directory, a->directory_size);
+    }
     put(a, end, sizeof(end));
 }
 
@@ -77,9 +103,9 @@ static const char simple[] = "<?xml version=\"1.0\"?><model unit=\"inch\"><resou
                              "id=\"1\" name=\"wedge\">" MESH FACES END_MESH
                              "</object></resources><build><item objectid=\"1\"/></build></model>";
 
-static void make_simple(archive* a, int deflated)
+static void make_archive(archive* a, int deflated, bool wide)
 {
-    *a = (archive){.size = 0};
+    *a = (archive){.wide = wide};
     add_text(a, "[Content_Types].xml", "<Types/>", deflated);
     add_text(a, "3D/3dmodel.model", simple, deflated);
     end_archive(a);
@@ -103,7 +129,7 @@ void test_3mf_units(test_state* test)
         char text[1024];
         snprintf(text, sizeof(text), "<model unit=\"%s\">%s", units[i].name,
                  strstr(simple, "<resources>"));
-        a = (archive){.size = 0};
+        a = (archive){.wide = i % 3 == 0};
         add_text(&a, "3D/3dmodel.model", text, i % 2 == 0);
         end_archive(&a);
         stp_context* context = test_context(NULL, 1, NULL);
@@ -217,6 +243,80 @@ void test_3mf_materials(test_state* test)
     CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
 }
 
+// Triangles of two pictures in turn become two meshes. Textures of one path share a picture. One that
+// cannot be read is left out.
+void test_3mf_pictures_in_turn(test_state* test)
+{
+    static archive a;
+    unsigned char tga[22];
+    put_tga(tga, 88);
+#define TEXTURE(id, path) "<texture2d id=\"" id "\" path=\"" path "\"/>"
+#define GROUP(id, texture)                                                                         \
+    "<texture2dgroup id=\"" id "\" texid=\"" texture "\"><tex2coord u=\"0\" v=\"0\"/>"             \
+    "</texture2dgroup>"
+#define FACE(pid) "<triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"" pid "\" p1=\"0\"/>"
+    static const char text[] =
+        "<model><resources>" TEXTURE("1", "/t.tga") TEXTURE("2", "/bad.tga") TEXTURE("3", "/t.tga")
+            GROUP("4", "1") GROUP("5", "2") GROUP("6", "3") "<object id=\"9\">" MESH FACE("4")
+                FACE("5") FACE("6") FACE("5") FACE("4") END_MESH
+        "</object></resources><build><item objectid=\"9\"/></build></model>";
+    a = (archive){.size = 0};
+    add_bytes(&a, "t.tga", tga, sizeof(tga), 0);
+    add_bytes(&a, "bad.tga", tga, sizeof(tga), 0);
+    a.directory[51 + 10] = 12; // BZIP2
+    add_text(&a, "3D/3dmodel.model", text, 1);
+    end_archive(&a);
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_result result;
+    stp_scene* scene = import_archive(context, &a, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK(scene_is_sound(scene) && log.errors == 0 && log.warnings == 1);
+    CHECK_EQUAL(2, scene->mesh_count);
+    CHECK_EQUAL(1, scene->texture_count);
+    CHECK(scene->meshes[0].triangle_count == 3 && scene->meshes[1].triangle_count == 2);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
+}
+
+// The relationships name the model with the build; without them, it is the first with items.
+void test_3mf_root_models(test_state* test)
+{
+    static archive a;
+    static const char other[] =
+        "<model unit=\"inch\"><resources><object id=\"1\">" MESH FACES END_MESH
+        "</object></resources><build/></model>";
+    static const char rels[] =
+        "<Relationships><Relationship Type=\"http://x/thumbnail\" "
+        "Target=\"/t.png\"/><Relationship Type=\"http://schemas.microsoft.com/"
+        "3dmanufacturing/2013/01/3dmodel\" Target=\"/3D/b.model\"/>"
+        "</Relationships>";
+    static const char root[] =
+        "<model unit=\"foot\"><resources><object id=\"1\">" MESH FACES END_MESH
+        "</object></resources><build><item objectid=\"1\"/></build></model>";
+    for (int kind = 0; kind < 4; ++kind) { // relationships, none, damaged ones, and no item
+        a = (archive){.size = 0};
+        add_text(&a, "3D/a.model", kind == 0 ? simple : other, 1);
+        add_text(&a, "3D/b.model", kind == 3 ? other : root, 1);
+        if (kind != 1) {
+            add_text(&a, "_rels/.rels", kind == 2 ? "<Relationships" : rels, 1);
+        }
+        end_archive(&a);
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_result result;
+        stp_scene* scene = import_archive(context, &a, &result);
+        CHECK_EQUAL(STP_OK, result);
+        CHECK_EQUAL(kind == 3 ? 1 : 0, log.warnings);
+        CHECK_EQUAL(kind == 3 ? 0 : 1, scene->mesh_count);
+        CHECK(scene->unit_metres == (kind == 3 ? 0.0254 : 0.3048));
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+        CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
+    }
+}
+
 static int refuses_model(const char* text, stp_result wanted, const char* says)
 {
     static archive a;
@@ -256,8 +356,8 @@ void test_3mf_bad_models_are_one_sentence(test_state* test)
 void test_3mf_bad_archives_are_one_sentence(test_state* test)
 {
     static archive a, changed;
-    for (int deflated = 0; deflated < 2; ++deflated) {
-        make_simple(&a, deflated);
+    for (int kind = 0; kind < 4; ++kind) {
+        make_archive(&a, kind % 2, kind / 2 != 0);
         CHECK(survives_truncation("a.3mf", a.bytes, a.size));
         CHECK(survives_failing_allocator("a.3mf", a.bytes, a.size));
         for (size_t i = 0; i < a.size; ++i) { // any changed byte: a scene, or one sentence
@@ -272,7 +372,7 @@ void test_3mf_bad_archives_are_one_sentence(test_state* test)
             stp_context_destroy(context);
         }
     }
-    make_simple(&a, 1);
+    make_archive(&a, 1, false);
     changed = a;
     size_t directory = stp_read_u32(a.bytes + a.size - 6);
     stp_write_u32(changed.bytes + directory + 46 + 19 + 24, 100000000); // a size
@@ -285,7 +385,14 @@ void test_3mf_bad_archives_are_one_sentence(test_state* test)
     CHECK(is_refused("a.3mf", changed.bytes, a.size, STP_ERROR_UNSUPPORTED, "method 9"));
     changed = a;
     memset(changed.bytes + a.size - 12, 0xff, 2);
-    CHECK(is_refused("a.3mf", changed.bytes, a.size, STP_ERROR_UNSUPPORTED, "64-bit"));
+    CHECK(is_refused("a.3mf", changed.bytes, a.size, STP_ERROR_FORMAT, "damaged directory"));
+    make_archive(&a, 1, true);
+    changed = a;
+    changed.bytes[a.size - 22 - 12 + 7] = 0x80; // where the 64-bit record is
+    CHECK(is_refused("a.3mf", changed.bytes, a.size, STP_ERROR_FORMAT, "damaged directory"));
+    changed = a;
+    changed.bytes[a.size - 22 - 20 - 8 + 7] = 0x80; // where the directory is
+    CHECK(is_refused("a.3mf", changed.bytes, a.size, STP_ERROR_FORMAT, "damaged directory"));
     a = (archive){.size = 0};
     add_text(&a, "readme.txt", "nothing", 0);
     end_archive(&a);

@@ -132,6 +132,42 @@ void test_e57_codings_and_poses(test_state* test)
     free(bytes);
 }
 
+// Records without a point have no part in the range of intensities.
+void test_e57_ranges_are_those_of_valid_records(test_state* test)
+{
+    enum { RECORDS = 8 };
+    uint64_t places[RECORDS], invalid[RECORDS], intensities[RECORDS];
+    for (size_t i = 0; i < RECORDS; ++i) {
+        places[i] = bits_of_double((double)i);
+        invalid[i] = i == 3 ? 1 : 0;
+        intensities[i] = bits_of_float(i == 3 ? 1e9f : (float)i / 7.0f);
+    }
+    const e57_stream streams[] = {
+        {64, places}, {64, places}, {64, places}, {1, invalid}, {32, intensities}};
+    e57_file f = e57_begin();
+    unsigned long long at = e57_add_points(&f, streams, 5, RECORDS, 300);
+    char xml[4096];
+    snprintf(xml, sizeof(xml),
+             HEAD "<data3D type=\"Vector\"><vectorChild type=\"Structure\">" POINTS
+                  "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ "
+                  "type=\"Float\"/><cartesianInvalidState type=\"Integer\" minimum=\"0\" "
+                  "maximum=\"1\"/><intensity type=\"Float\" precision=\"single\"/>" END_POINTS
+                  "</vectorChild></data3D></e57Root>",
+             at, (unsigned long long)RECORDS);
+    size_t size;
+    unsigned char* bytes = e57_finish(&f, xml, &size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.e57", bytes, size, &result);
+    CHECK_EQUAL(STP_OK, result);
+    const stp_point_set* p = &scene->point_sets[0];
+    CHECK_EQUAL(RECORDS - 1, p->point_count);
+    CHECK_EQUAL(65535, ((uint16_t*)p->attributes[STP_ATTRIBUTE_INTENSITY])[RECORDS - 2]);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    free(bytes);
+}
+
 // A room seen from its centre, in a grid; some cells have no record, one has two.
 static unsigned char* write_grid(size_t* size, int normals)
 {

@@ -77,6 +77,18 @@ void test_off_keeps_distant_coordinates(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_off_faces_may_have_one_corner(test_state* test)
+{
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_result result;
+    stp_scene* scene = import_off(context, "OFF\n1 4 0\n0 0 0\n1 0\n1 0\n0\n1 0", &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK_EQUAL(1, log.warnings); // they are left out
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 void test_off_bad_input_is_one_sentence(test_state* test)
 {
     static const struct {
@@ -92,6 +104,7 @@ void test_off_bad_input_is_one_sentence(test_state* test)
                  {"OFF\n1 0 0\n0 0 x    \n", STP_ERROR_FORMAT, "line 3"},
                  {"OFF\n1 1 0\n0 0 0\n3 0 0 1     \n", STP_ERROR_FORMAT, "line 4"},
                  {"OFF\n1 1 0\n0 0 0\n3 0 0 -1    \n", STP_ERROR_FORMAT, "line 4"},
+                 {"OFF\n2 1 0\n0 0 0\n0 0 1\n3 0 1 0.5\n", STP_ERROR_FORMAT, "line 5"},
                  {"OFF\n1 1 0\n0 0 0\n9999999 0 0 0\n", STP_ERROR_FORMAT, "line 4"}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         CHECK(is_refused("a.off", cases[i].text, strlen(cases[i].text), cases[i].result,

@@ -120,6 +120,32 @@ void test_ply_colors_of_faces_and_vertices(test_state* test)
     stp_context_destroy(context);
 }
 
+// Elements of faces have properties of their own, and all colours have the scale of their element; a
+// face without colours is white.
+void test_ply_elements_of_faces_have_their_own_colors(test_state* test)
+{
+    static const char text[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
+        "property list uchar int vertex_indices\nelement face 1\nproperty uchar red\n"
+        "property uchar green\nproperty uchar blue\nproperty list uchar int vertex_indices\n"
+        "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n3 0 1 2\n0 255 0 3 0 1 2\n";
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_ply(context, text, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK(scene_is_sound(scene));
+    CHECK_EQUAL(1, scene->mesh_count);
+    const stp_mesh* mesh = &scene->meshes[0];
+    CHECK_EQUAL(3, mesh->triangle_count);
+    CHECK(has_color(mesh, 0, 65535, 0, 0) && has_color(mesh, 1, 65535, 65535, 65535));
+    CHECK(has_color(mesh, 2, 0, 65535, 0));
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    CHECK(survives_failing_allocator("a.ply", text, strlen(text)));
+}
+
 static int write_picture(const char* name, unsigned char red)
 {
     const unsigned char tga[18 + 4] = {
@@ -178,21 +204,24 @@ void test_ply_pictures_of_faces(test_state* test)
 {
     static const char text[] =
         "ply\nformat ascii 1.0\ncomment TextureFile t0.tga\ncomment TextureFile t1.tga\n"
-        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+        "comment TextureFile t1.tga\n"
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 5\n"
         "property list uchar int vertex_indices\nproperty list uchar float texcoord\n"
         "property int texnumber\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 1 1 1\n"
-        "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 1 2 6 0 0 1 0 1 1 1\n3 0 1 2 0 -1\n";
+        "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 1 2 6 0 0 1 0 1 1 1\n3 0 1 2 0 -1\n"
+        "3 0 1 2 6 0 0 1 0 1 1 2\n";
     CHECK(write_picture("t0.tga", 10) && write_picture("t1.tga", 20));
     stp_context* context = test_context(NULL, 1, NULL);
     stp_scene* scene = import_file(context, text);
     CHECK(scene != NULL && scene_is_sound(scene));
-    CHECK_EQUAL(3, scene->mesh_count);
-    static const unsigned counts[] = {1, 2, 1};
-    for (int i = 0; i < 3; ++i) {
+    CHECK_EQUAL(4, scene->mesh_count);
+    CHECK_EQUAL(2, scene->texture_count); // the third is the second
+    static const unsigned counts[] = {1, 2, 1, 1}, reds[] = {10, 20, 20};
+    for (int i = 0; i < 4; ++i) {
         const stp_material* material = &scene->materials[scene->meshes[i].material];
         uint32_t texture = material->base_color_texture.texture;
         CHECK_EQUAL(counts[i], scene->meshes[i].triangle_count);
-        CHECK(i < 2 ? scene->textures[texture].texels[0] == 10 * (i + 1) : texture == STP_NONE);
+        CHECK(i < 3 ? scene->textures[texture].texels[0] == reds[i] : texture == STP_NONE);
     }
     stp_scene_destroy(scene);
     stp_context_destroy(context);
@@ -271,6 +300,24 @@ void test_ply_vertices_that_are_not_finite(test_state* test)
     CHECK(scene->meshes[0].triangle_count >= 1);
     CHECK(scene->nodes[scene->root].bounds.min.x == 500000.0);
     CHECK(strstr(log.warning, "with corners that are not finite") != NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+// Doubles that floats cannot hold are 0, as those that are not finite.
+void test_ply_texture_coordinates_beyond_floats(test_state* test)
+{
+    static const char text[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty double texture_u\nproperty double texture_v\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n0 0 0 1e300 1e300\n1 0 0 0.5 -1e300\n"
+        "0 1 0 nan 0.25\n3 0 1 2\n";
+    static const float wanted[6] = {0.0f, 0.0f, 0.5f, 0.0f, 0.0f, 0.75f};
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_ply(context, text, &result);
+    CHECK_EQUAL(STP_OK, result);
+    CHECK(memcmp(scene->meshes[0].texcoords[0], wanted, sizeof(wanted)) == 0);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

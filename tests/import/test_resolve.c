@@ -3,7 +3,10 @@
 
 #include "import/reading/import.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct resolve_case {
     const char* file;
@@ -49,6 +52,7 @@ void test_import_resolve_stays_in_folder(test_state* test)
         CHECK_EQUAL(cases[i].path != NULL ? STP_OK : STP_ERROR_FORMAT, result);
         CHECK_EQUAL(result == STP_OK ? 0 : 1, log.errors);
         CHECK(result != STP_OK || strcmp(path, cases[i].path) == 0);
+        stp_folder_listings_close(context, &import.folders);
         stp_scene_destroy(scene);
         stp_context_destroy(context);
     }
@@ -67,6 +71,45 @@ void test_import_resolve_optional_warns(test_state* test)
     CHECK_EQUAL(STP_OK, stp_import_resolve_optional(&import, "images[0]", "../b.png", &path));
     CHECK(path == NULL);
     CHECK_EQUAL(0, log.errors);
+    stp_folder_listings_close(context, &import.folders);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+static int write_file(const char* path)
+{
+    FILE* file = fopen(path, "w");
+    return file != NULL && fclose(file) == 0;
+}
+
+// Names that differ in case, or lack a query. A folder that exists as written is the one.
+void test_import_resolve_finds_similar_names(test_state* test)
+{
+    static const char* const pairs[][2] = {{"tex/A.PNG", "tex/a.PNG"},
+                                           {"Tex/B.png", "Tex/b.png"},
+                                           {"tEx/b.png?v=1", "Tex/b.png"},
+                                           {"tex/b.png", NULL},
+                                           {"none/a.png", NULL}};
+    CHECK((mkdir("Tex", 0700) == 0 || errno == EEXIST) && write_file("Tex/b.png"));
+    CHECK((mkdir("tex", 0700) == 0 || errno == EEXIST) && write_file("tex/a.PNG"));
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene;
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    stp_import import = {.context = context, .scene = scene, .path = "a.gltf"};
+    for (size_t i = 0; i < sizeof(pairs) / sizeof(pairs[0]); ++i) {
+        const char* path;
+        CHECK_EQUAL(STP_OK, stp_import_resolve_optional(&import, "p", pairs[i][0], &path));
+        CHECK(pairs[i][1] == NULL ? path == NULL : path != NULL && !strcmp(path, pairs[i][1]));
+    }
+    size_t used = import.folders.next;
+    for (int i = 0; i < 100; ++i) {
+        char name[32];
+        const char* path;
+        snprintf(name, sizeof(name), "tex/%d.png", i);
+        CHECK_EQUAL(STP_OK, stp_import_resolve_optional(&import, "p", name, &path));
+        CHECK(path == NULL && import.folders.next == used); // the folder is read once
+    }
+    stp_folder_listings_close(context, &import.folders);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

@@ -234,18 +234,24 @@ static void measure_run(size_t begin, size_t end, uint32_t worker, void* user)
 {
     reader* r = user;
     buffers* room = &r->rooms[worker];
+    const double* invalid = room->values[STP_E57_INVALID];
+    if (has(r, STP_E57_INVALID)) {
+        read_field(r, STP_E57_INVALID, begin, end - begin, room);
+    }
     for (int slot = STP_E57_INTENSITY; slot <= STP_E57_BLUE; ++slot) {
         if (!has(r, (stp_e57_slot)slot) || has_limits(&r->scan->fields[slot])) {
             continue;
         }
         read_field(r, (stp_e57_slot)slot, begin, end - begin, room);
         for (size_t i = 0; i < end - begin; ++i) {
-            stp_range_add(room->values[slot][i], &room->low[slot], &room->high[slot]);
+            if (!has(r, STP_E57_INVALID) || invalid[i] == 0.0) {
+                stp_range_add(room->values[slot][i], &room->low[slot], &room->high[slot]);
+            }
         }
     }
 }
 
-// Limits of intensities and colours: those of the file, else by the values of all records.
+// Limits of intensities and colours: those of the file, else by the values of valid records.
 static void find_limits(reader* r)
 {
     stp_context* context = r->cloud.import->context;

@@ -106,27 +106,53 @@ static stp_result split_chunks(stp_obj* obj, size_t chunk_size)
     return STP_OK;
 }
 
-// The first finite positions choose the origin.
+// `limit` is after a line end.
+static stp_text next_line(stp_text at, stp_text limit)
+{
+    assert(at < limit);
+    return (stp_text)memchr(at, '\n', (size_t)(limit - at)) + 1;
+}
+
+// Adds the first finite position of at most `lines` lines that start in [at, end).
+static void sample_lines(stp_text at, stp_text end, stp_text limit, size_t lines,
+                         stp_place_sample* places)
+{
+    uint32_t before = places->count;
+    for (size_t i = 0; i < lines && at < end && places->count == before; ++i) {
+        stp_text start = stp_skip_blanks(at);
+        double n[3] = {0};
+        if (start[0] == 'v' && stp_is_blank(start[1])) {
+            stp_text next = start + 1;
+            for (int k = 0; k < 3 && next != NULL; ++k) {
+                next = stp_read_number(next, &n[k]);
+            }
+            if (next != NULL) { // else the parser reports an error
+                stp_place_sample_add(places, n);
+            }
+        }
+        at = next_line(start, limit);
+    }
+}
+
+// The first finite position and some from all over the file choose the origin.
 static void find_origin(stp_obj* obj)
 {
+    enum { LINES = 64 }; // most lines to search in a part of the file
     stp_place_sample places = {0};
     double middle[3];
-    for (size_t i = 0; i < obj->chunk_count && places.count < STP_PLACE_SAMPLES; ++i) {
-        stp_text end = obj->chunks[i].end;
-        for (stp_text at = obj->chunks[i].begin; at < end && places.count < STP_PLACE_SAMPLES;) {
-            stp_text start = stp_skip_blanks(at);
-            double n[3] = {0};
-            if (start[0] == 'v' && stp_is_blank(start[1])) {
-                stp_text next = start + 1;
-                for (int k = 0; k < 3 && next != NULL; ++k) {
-                    next = stp_read_number(next, &n[k]);
-                }
-                if (next == NULL) { // an error that the parser reports
-                    return;
-                }
-                stp_place_sample_add(&places, n);
-            }
-            at = (stp_text)memchr(start, '\n', (size_t)(end - start)) + 1;
+    for (size_t i = 0; i < obj->chunk_count && places.count == 0; ++i) {
+        sample_lines(obj->chunks[i].begin, obj->chunks[i].end, obj->chunks[i].end, SIZE_MAX,
+                     &places);
+    }
+    if (places.count > 0) { // the tail is not beside the others
+        size_t last = obj->chunk_count - 1;
+        last -= obj->tail != NULL && last > 0;
+        stp_text begin = obj->chunks[0].begin, end = obj->chunks[last].end;
+        for (uint32_t i = 0; i < STP_PLACE_SAMPLES; ++i) {
+            stp_text at = begin + stp_place_sample_index(i, (size_t)(end - begin));
+            stp_text stop = begin + stp_place_sample_index(i + 1, (size_t)(end - begin));
+            at = at == begin || at[-1] == '\n' ? at : next_line(at, end);
+            sample_lines(at, stop, end, LINES, &places);
         }
     }
     stp_place_sample_choose(&places, middle);

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MIN_VERTEX = 6, MIN_FACE = 8 }; // bytes of a line: three numbers, or a count and three
+enum { MIN_VERTEX = 6, MIN_FACE = 2 }; // bytes of a line: three numbers, or a count of 0
 
 typedef struct reader {
     stp_import* import;
@@ -227,7 +227,8 @@ static stp_result read_face(reader* r)
     }
     for (size_t i = 0; i < count; ++i) {
         double value;
-        if (!next_number(r, &value) || !(value >= 0.0 && value < (double)r->vertex_count)) {
+        if (!next_number(r, &value) || !(value >= 0.0 && value < (double)r->vertex_count) ||
+            value != floor(value)) {
             return fail_here(r, "expected a vertex of the file as the corner of a face");
         }
         r->corners[i] = (uint32_t)value;

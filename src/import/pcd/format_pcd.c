@@ -326,20 +326,30 @@ static void sample_rows(const reader* r, stp_place_sample* places)
     }
 }
 
-static void sample_lines(const reader* r, stp_place_sample* places)
+static void sample_line(const reader* r, stp_text at, stp_place_sample* places)
 {
     double v[SLOTS + 1] = {0};
+    for (uint32_t f = 0; f < r->pcd.field_count && at != NULL; ++f) {
+        for (uint32_t k = 0; k < r->pcd.fields[f].count && at != NULL; ++k) {
+            at = stp_read_number(at, &v[r->column_slots[f]]);
+        }
+    }
+    if (at != NULL) {
+        stp_place_sample_add(places, (double[3]){v[X], v[Y], v[Z]});
+    }
+}
+
+static void sample_lines(const reader* r, stp_place_sample* places)
+{
+    size_t count = (size_t)r->pcd.point_count;
+    for (uint32_t i = 0; i < STP_PLACE_SAMPLES && i < count; ++i) {
+        uint64_t line = r->pcd.body_line + stp_place_sample_index(i, count);
+        sample_line(r, stp_line_cursor_at(&r->blocks, line).at, places);
+    }
+    // where none of those is finite, others
     stp_line_cursor cursor = stp_line_cursor_at(&r->blocks, r->pcd.body_line);
-    for (uint64_t i = 0; i < r->pcd.point_count && places->count < STP_PLACE_SAMPLES; ++i) {
-        stp_text at = cursor.at;
-        for (uint32_t f = 0; f < r->pcd.field_count && at != NULL; ++f) {
-            for (uint32_t k = 0; k < r->pcd.fields[f].count && at != NULL; ++k) {
-                at = stp_read_number(at, &v[r->column_slots[f]]);
-            }
-        }
-        if (at != NULL) {
-            stp_place_sample_add(places, (double[3]){v[X], v[Y], v[Z]});
-        }
+    for (size_t i = 0; i < count && places->count == 0; ++i) {
+        sample_line(r, cursor.at, places);
         stp_line_cursor_next(&cursor);
     }
 }

@@ -87,8 +87,10 @@ static void store_row(stp_ply_vertices* v, size_t row, const double* n)
     }
     if (v->texcoords != NULL) {
         // v starts at the bottom of the picture
-        v->texcoords[2 * row] = isfinite(n[STP_PLY_U]) ? (float)n[STP_PLY_U] : 0.0f;
-        v->texcoords[2 * row + 1] = isfinite(n[STP_PLY_V]) ? (float)(1.0 - n[STP_PLY_V]) : 0.0f;
+        const float texcoord[2] = {(float)n[STP_PLY_U], (float)(1.0 - n[STP_PLY_V])};
+        for (size_t i = 0; i < 2; ++i) {
+            v->texcoords[2 * row + i] = isfinite(texcoord[i]) ? texcoord[i] : 0.0f;
+        }
     }
     if (v->colors != NULL) {
         float* color = v->colors + 4 * row;

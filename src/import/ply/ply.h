@@ -129,15 +129,15 @@ static inline float stp_ply_scaled_color(const stp_ply_color_scale* scale, size_
 typedef struct stp_ply_wedge {
     uint32_t vertex;
     float texcoord[2]; ///< as in the scene: v starts at the top
-    float color[4];    ///< as written
+    float color[4];    ///< as written until its element ends, then fractions of white
 } stp_ply_wedge;
 
 /// Triangles with the same picture.
 typedef struct stp_ply_group {
     stp_lookup known;
     stp_ply_wedge* wedges;
-    size_t count, capacity;
-    uint32_t* indices; ///< of wedges
+    size_t count, capacity, scaled; ///< wedges; `scaled`: those of elements that ended
+    uint32_t* indices;              ///< of wedges
     size_t index_count, index_capacity;
 } stp_ply_group;
 
@@ -146,7 +146,8 @@ typedef struct stp_ply_wedges {
     const stp_ply* ply;
     bool active; ///< the file has such faces
     bool wants_colors;
-    stp_ply_group* groups; ///< a picture each, and one without
+    bool any_colors, any_texcoords; ///< an element has them
+    stp_ply_group* groups;          ///< a picture each, and one without
     size_t group_count;
     // properties of the element being read:
     stp_ply_colors colors;
@@ -168,6 +169,10 @@ typedef struct stp_ply_wedges {
 STP_MUST_USE stp_result stp_ply_wedges_begin(stp_ply_wedges* w, const stp_ply* ply,
                                              bool vertices_have_colors);
 void stp_ply_wedges_end(stp_ply_wedges* w);
+/// Starts an element of faces: finds its properties.
+void stp_ply_wedges_begin_element(stp_ply_wedges* w, const stp_ply_element* element);
+/// Ends it: scales its colours.
+void stp_ply_wedges_end_element(stp_ply_wedges* w);
 /// Starts a face.
 void stp_ply_wedges_begin_face(stp_ply_wedges* w);
 /// Reads or skips a property of a face; *good is false if it cannot be read. @return STP_OK,

@@ -144,7 +144,11 @@ stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* ele
 {
     stp_context* context = cursor->ply->context;
     const stp_ply_property* indices = find_indices(element);
+    bool wedges = f->wedges.active && !strips;
     f->any |= indices != NULL && element->count > 0;
+    if (wedges) {
+        stp_ply_wedges_begin_element(&f->wedges, element);
+    }
     for (uint64_t row = 0; row < element->count; ++row) {
         uint64_t count = 0;
         stp_result result =
@@ -156,6 +160,9 @@ stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* ele
         if (result != STP_OK) {
             return result;
         }
+    }
+    if (wedges) {
+        stp_ply_wedges_end_element(&f->wedges);
     }
     if (f->count / 3 >= STP_NONE) {
         return stp_fail(context, STP_ERROR_LIMIT, "%s: has more than 2^32 triangles",

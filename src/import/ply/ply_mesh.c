@@ -8,16 +8,15 @@
 #include <string.h>
 
 // The material with picture `texture`; STP_NONE: without.
-static stp_result add_material(const stp_ply* ply, uint32_t texture, uint32_t* index)
+static stp_result add_material(const stp_ply* ply, stp_pictures* pictures, uint32_t texture,
+                               uint32_t* index)
 {
     stp_material material = stp_material_plain();
     stp_result result = STP_OK;
     assert(texture == STP_NONE || texture < ply->texture_count);
     if (texture != STP_NONE) {
-        stp_pictures pictures = stp_pictures_create(ply->import);
-        result = stp_pictures_read(&pictures, "TextureFile", ply->textures[texture],
-                                   STP_WRAP_REPEAT, &material.base_color_texture.texture);
-        stp_pictures_destroy(&pictures);
+        result = stp_pictures_read(pictures, "TextureFile", ply->textures[texture], STP_WRAP_REPEAT,
+                                   &material.base_color_texture.texture);
     }
     return result == STP_OK ? stp_scene_add_material(ply->import->scene, &material, index) : result;
 }
@@ -40,13 +39,13 @@ static uint32_t first_texture(const stp_ply_vertices* v)
     return v->ply->texture_count > 0 && v->texcoords != NULL ? 0 : STP_NONE;
 }
 
-static stp_result add_whole(stp_ply_vertices* v, stp_ply_faces* f)
+static stp_result add_whole(stp_ply_vertices* v, stp_ply_faces* f, stp_pictures* pictures)
 {
     stp_context* context = v->ply->context;
     stp_mesh mesh = {.vertex_count = (uint32_t)v->count,
                      .triangle_count = (uint32_t)(f->count / 3)};
     assert(f->count % 3 == 0 && f->count / 3 < STP_NONE && v->count < STP_NONE);
-    stp_result result = add_material(v->ply, first_texture(v), &mesh.material);
+    stp_result result = add_material(v->ply, pictures, first_texture(v), &mesh.material);
     if (result != STP_OK) {
         return result;
     }
@@ -74,8 +73,8 @@ static bool alloc_mesh(const stp_ply_vertices* v, const stp_ply_wedges* w, size_
                        stp_mesh* mesh)
 {
     stp_context* context = v->ply->context;
-    bool textured = w->texcoord != NULL || v->texcoords != NULL;
-    bool colored = w->has_colors || v->colors != NULL;
+    bool textured = w->any_texcoords || v->texcoords != NULL;
+    bool colored = w->any_colors || v->colors != NULL;
     mesh->positions = STP_NEW_ARRAY(context, float, 3 * count);
     mesh->normals = v->normals != NULL ? STP_NEW_ARRAY(context, float, 3 * count) : NULL;
     mesh->texcoords[0] = textured ? STP_NEW_ARRAY(context, float, 2 * count) : NULL;
@@ -95,21 +94,22 @@ static void fill_vertex(const stp_ply_vertices* v, const stp_ply_wedges* w,
         memcpy(mesh->normals + 3 * index, v->normals + 3 * from, 3 * sizeof(float));
     }
     if (mesh->texcoords[0] != NULL) {
-        const float* texcoord = w->texcoord != NULL ? wedge->texcoord : v->texcoords + 2 * from;
+        const float* texcoord = w->any_texcoords ? wedge->texcoord : v->texcoords + 2 * from;
         memcpy(mesh->texcoords[0] + 2 * index, texcoord, 2 * sizeof(float));
     }
     for (size_t i = 0; i < 4 && mesh->colors != NULL; ++i) {
-        float value = w->has_colors ? wedge->color[i] : v->colors[4 * from + i];
-        mesh->colors[4 * index + i] = linear_color(stp_ply_scaled_color(scale, i, value), i);
+        float value = w->any_colors ? wedge->color[i]
+                                    : stp_ply_scaled_color(scale, i, v->colors[4 * from + i]);
+        mesh->colors[4 * index + i] = linear_color(value, i);
     }
 }
 
 static stp_result add_group(const stp_ply_vertices* v, const stp_ply_wedges* w,
-                            stp_ply_group* group, uint32_t texture)
+                            stp_ply_group* group, stp_pictures* pictures, uint32_t texture)
 {
     stp_mesh mesh = {.vertex_count = (uint32_t)group->count,
                      .triangle_count = (uint32_t)(group->index_count / 3)};
-    stp_result result = add_material(v->ply, texture, &mesh.material);
+    stp_result result = add_material(v->ply, pictures, texture, &mesh.material);
     if (result != STP_OK) {
         return result;
     }
@@ -120,8 +120,7 @@ static stp_result add_group(const stp_ply_vertices* v, const stp_ply_wedges* w,
         }
         return stp_fail_memory(v->ply->context);
     }
-    stp_ply_color_scale scale =
-        stp_ply_find_color_scale(w->has_colors ? &w->colors : &v->color_range);
+    stp_ply_color_scale scale = stp_ply_find_color_scale(&v->color_range);
     for (size_t i = 0; i < group->count; ++i) {
         fill_vertex(v, w, &group->wedges[i], &scale, i, &mesh);
     }
@@ -133,13 +132,17 @@ static stp_result add_group(const stp_ply_vertices* v, const stp_ply_wedges* w,
 stp_result stp_ply_add_mesh(stp_ply_vertices* v, stp_ply_faces* f)
 {
     stp_ply_wedges* w = &f->wedges;
+    stp_pictures pictures = stp_pictures_create(v->ply->import);
     stp_result result = STP_OK;
     for (size_t i = 0; i < w->group_count && result == STP_OK; ++i) {
         uint32_t own = i < v->ply->texture_count ? (uint32_t)i : STP_NONE;
         if (w->groups[i].index_count > 0) {
-            result = add_group(v, w, &w->groups[i], w->texcoord != NULL ? own : first_texture(v));
+            result = add_group(v, w, &w->groups[i], &pictures,
+                               w->any_texcoords ? own : first_texture(v));
         }
     }
     bool whole = f->count > 0 || !w->active;
-    return result == STP_OK && whole ? add_whole(v, f) : result;
+    result = result == STP_OK && whole ? add_whole(v, f, &pictures) : result;
+    stp_pictures_destroy(&pictures);
+    return result;
 }

@@ -20,7 +20,7 @@ static const stp_ply_property* find_property(const stp_ply_element* element, con
     return NULL;
 }
 
-static void find_properties(stp_ply_wedges* w, const stp_ply_element* element)
+void stp_ply_wedges_begin_element(stp_ply_wedges* w, const stp_ply_element* element)
 {
     bool colored = stp_ply_find_colors(element, &w->colors);
     w->has_colors = colored && w->wants_colors;
@@ -33,13 +33,15 @@ static void find_properties(stp_ply_wedges* w, const stp_ply_element* element)
 stp_result stp_ply_wedges_begin(stp_ply_wedges* w, const stp_ply* ply, bool vertices_have_colors)
 {
     *w = (stp_ply_wedges){.ply = ply, .wants_colors = !vertices_have_colors};
-    for (size_t i = 0; i < ply->element_count && !w->active; ++i) {
+    for (size_t i = 0; i < ply->element_count; ++i) {
         const stp_ply_element* element = &ply->elements[i];
         if (element->count > 0 && strcmp(element->name, "face") == 0) {
-            find_properties(w, element);
-            w->active = w->has_colors || w->texcoord != NULL;
+            stp_ply_wedges_begin_element(w, element);
+            w->any_colors |= w->has_colors;
+            w->any_texcoords |= w->texcoord != NULL;
         }
     }
+    w->active = w->any_colors || w->any_texcoords;
     if (w->active) {
         w->group_count = ply->texture_count + 1;
         w->groups = STP_NEW_ZEROED(ply->context, stp_ply_group, w->group_count);
@@ -66,12 +68,28 @@ void stp_ply_wedges_end(stp_ply_wedges* w)
     *w = (stp_ply_wedges){0};
 }
 
+// Types and scale of colours may differ between elements, so that elements share no vertices.
+void stp_ply_wedges_end_element(stp_ply_wedges* w)
+{
+    stp_ply_color_scale scale = stp_ply_find_color_scale(&w->colors);
+    for (size_t i = 0; i < w->group_count; ++i) {
+        stp_ply_group* group = &w->groups[i];
+        for (; group->scaled < group->count; ++group->scaled) {
+            float* color = group->wedges[group->scaled].color;
+            for (size_t k = 0; k < 4; ++k) {
+                color[k] = stp_ply_scaled_color(&scale, k, color[k]);
+            }
+        }
+        stp_lookup_destroy(&group->known);
+    }
+}
+
 void stp_ply_wedges_begin_face(stp_ply_wedges* w)
 {
     w->texcoord_count = 0;
     w->texture = w->texcoord != NULL ? 0.0 : -1.0;
     for (int i = 0; i < 4; ++i) {
-        w->color[i] = 1.0f;
+        w->color[i] = INFINITY; // at least white on every scale
     }
 }
 

@@ -2,17 +2,9 @@
 // Resolves file references of the imported model.
 #include "import/reading/import.h"
 #include "import/reading/path_rules.h"
-#include "import/reading/similar_path.h"
 
 #include <assert.h>
 #include <string.h>
-#include <sys/stat.h>
-
-static bool is_file(const char* path)
-{
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
-}
 
 // On STP_OK either *path or *reason is set.
 static stp_result resolve(stp_import* import, const char* reference, const char** path,
@@ -30,11 +22,13 @@ static stp_result resolve(stp_import* import, const char* reference, const char*
         return stp_fail_memory(import->context);
     }
     *reason = stp_path_resolve(import->path, reference, joined);
-    if (*reason == NULL && !is_file(joined)) {
-        (void)stp_path_find_similar(joined, stp_path_folder_length(import->path));
+    stp_result result = STP_OK;
+    if (*reason == NULL && !stp_path_is_file(joined)) {
+        result = stp_path_find_similar(import->context, &import->folders, joined,
+                                       stp_path_folder_length(import->path));
     }
     *path = *reason == NULL ? joined : NULL;
-    return STP_OK;
+    return result;
 }
 
 stp_result stp_import_resolve(stp_import* import, const char* reference, const char** path)
@@ -58,7 +52,7 @@ stp_result stp_import_resolve_optional(stp_import* import, const char* place, co
     if (result != STP_OK) {
         return result;
     }
-    if (*path != NULL && !is_file(*path)) {
+    if (*path != NULL && !stp_path_is_file(*path)) {
         reason = "the file does not exist";
         *path = NULL;
     }

@@ -263,6 +263,7 @@ stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_
         return result;
     }
     result = import_marked(&import);
+    stp_folder_listings_close(import.context, &import.folders);
     stp_file_unmap(&import.file);
     return result;
 }
@@ -280,6 +281,7 @@ stp_result stp_import_sample(stp_scene* scene, const char* path, const stp_impor
     if (importer != NULL && importer->samples) {
         result = read_with(importer, &import);
     }
+    stp_folder_listings_close(import.context, &import.folders);
     stp_file_unmap(&import.file);
     return result;
 }

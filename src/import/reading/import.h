@@ -6,6 +6,7 @@
 
 #include "base/io/file.h"
 #include "import/reading/losses.h"
+#include "import/reading/similar_path.h"
 #include "scene/scene.h"
 
 typedef struct stp_import_desc {
@@ -44,6 +45,7 @@ typedef struct stp_import {
     bool wants_unit;    ///< warn if the unit is not known
     stp_losses losses;  ///< content that is not kept; reported after reading
     uint64_t picture_pixels, picture_bytes; ///< sums over all pictures read so far
+    stp_folder_listings folders;            ///< in which references were searched
     bool alone; ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 

@@ -6,6 +6,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define REFERENCE_LENGTH_LIMIT ((size_t)4096)
 
@@ -72,6 +73,12 @@ size_t stp_path_folder_length(const char* model)
 {
     const char* slash = strrchr(model, '/');
     return slash != NULL ? (size_t)(slash + 1 - model) : 0;
+}
+
+bool stp_path_is_file(const char* path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
 bool stp_path_is_below(const char* path, size_t folder_length)

@@ -16,6 +16,9 @@ const char* stp_path_resolve(const char* model, const char* reference, char* out
 /// Length of the folder in a model's path, with its slash; 0: the current folder.
 size_t stp_path_folder_length(const char* model);
 
+/// Whether a path names a regular file, after following links.
+bool stp_path_is_file(const char* path);
+
 /// Whether a file, after following links, is in a folder (the first `folder_length` bytes of its
 /// path) or below. A missing file is judged by its path.
 bool stp_path_is_below(const char* path, size_t folder_length);

@@ -7,72 +7,182 @@
 #include <dirent.h>
 #include <limits.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
-static bool is_file(const char* path)
+enum { NAMES_MAX = 1 << 20 }; // of a folder
+
+static void lower_name(const char* name, size_t length, char* lower)
 {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+    for (size_t i = 0; i < length; ++i) {
+        lower[i] = (char)(name[i] >= 'A' && name[i] <= 'Z' ? name[i] - 'A' + 'a' : name[i]);
+    }
 }
 
-// Replaces a name in a path, [begin, end), by the first one of its folder that differs in case at
-// most. @return false if there is none
-static bool match_name(char* path, size_t begin, size_t end)
+static void close_listing(stp_context* context, stp_folder_listing* listing)
 {
-    char best[NAME_MAX + 1] = "", first = path[begin];
-    size_t length = end - begin;
-    assert(begin < end && end <= strlen(path));
-    path[begin] = '\0';
-    DIR* folder = opendir(begin > 0 ? path : ".");
-    path[begin] = first;
-    if (folder == NULL) {
-        return false;
+    stp_free(context, listing->folder);
+    stp_free(context, listing->starts);
+    stp_free(context, listing->text);
+    listing->names.context = context;
+    stp_lookup_destroy(&listing->names);
+    *listing = (stp_folder_listing){0};
+}
+
+void stp_folder_listings_close(stp_context* context, stp_folder_listings* listings)
+{
+    for (size_t i = 0; i < STP_FOLDER_LISTINGS; ++i) {
+        close_listing(context, &listings->listings[i]);
     }
-    for (const struct dirent* entry; (entry = readdir(folder)) != NULL;) {
-        const char* name = entry->d_name;
-        if (strlen(name) == length && length <= NAME_MAX &&
-            strncasecmp(name, path + begin, length) == 0 &&
-            (best[0] == '\0' || strcmp(name, best) < 0)) {
-            memcpy(best, name, length + 1);
+}
+
+// Of names that differ in case only, the first by strcmp is kept.
+static stp_result add_name(stp_context* context, stp_folder_listing* l, const char* name)
+{
+    char lower[NAME_MAX + 1];
+    size_t length = strlen(name);
+    uint32_t fresh = (uint32_t)l->count, found;
+    if (length > NAME_MAX) {
+        return STP_OK;
+    }
+    lower_name(name, length, lower);
+    stp_result result = stp_lookup_add(&l->names, lower, length, fresh, &found);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (found != fresh) {
+        char* kept = l->text + l->starts[found];
+        assert(strlen(kept) == length);
+        memcpy(kept, strcmp(name, kept) < 0 ? name : kept, length);
+        return STP_OK;
+    }
+    if (!STP_MAKE_ROOM(context, l->starts, l->capacity, l->count + 1) ||
+        !STP_MAKE_ROOM(context, l->text, l->text_capacity, l->size + length + 1)) {
+        return stp_fail_memory(context);
+    }
+    memcpy(l->text + l->size, name, length + 1);
+    l->starts[l->count++] = l->size;
+    l->size += length + 1;
+    return STP_OK;
+}
+
+static stp_result read_listing(stp_context* context, const char* path, size_t length,
+                               stp_folder_listing* l)
+{
+    *l = (stp_folder_listing){.names = {.context = context}};
+    l->folder = stp_alloc(context, length + 1);
+    if (l->folder == NULL) {
+        return stp_fail_memory(context);
+    }
+    memcpy(l->folder, path, length);
+    l->folder[length] = '\0';
+    DIR* folder = opendir(length > 0 ? l->folder : ".");
+    stp_result result = STP_OK;
+    for (const struct dirent* entry; folder != NULL && result == STP_OK && l->count < NAMES_MAX &&
+                                     (entry = readdir(folder)) != NULL;) {
+        result = add_name(context, l, entry->d_name);
+    }
+    if (folder != NULL) {
+        closedir(folder);
+    }
+    return result;
+}
+
+// The listing of the folder that is the first `length` bytes of a path.
+static stp_result find_listing(stp_context* context, stp_folder_listings* listings,
+                               const char* path, size_t length, const stp_folder_listing** found)
+{
+    for (size_t i = 0; i < STP_FOLDER_LISTINGS; ++i) {
+        const stp_folder_listing* l = &listings->listings[i];
+        if (l->folder != NULL && strncmp(l->folder, path, length) == 0 &&
+            l->folder[length] == '\0') {
+            *found = l;
+            return STP_OK;
         }
     }
-    closedir(folder);
-    if (best[0] != '\0') {
-        memcpy(path + begin, best, length);
+    stp_folder_listing* l = &listings->listings[listings->next];
+    listings->next = (listings->next + 1) % STP_FOLDER_LISTINGS;
+    close_listing(context, l);
+    stp_result result = read_listing(context, path, length, l);
+    if (result != STP_OK) {
+        close_listing(context, l);
     }
-    return best[0] != '\0';
+    *found = l;
+    return result;
 }
 
-static bool match_names(char* path, size_t folder_length)
+static bool exists(char* path, size_t end)
 {
-    for (size_t begin = folder_length; path[begin] != '\0';) {
+    struct stat status;
+    char after = path[end];
+    path[end] = '\0';
+    bool found = stat(path, &status) == 0;
+    path[end] = after;
+    return found;
+}
+
+// Replaces a name in a path, [begin, end), by one of its folder that differs in case at most: by the
+// same one if it exists. *matched is false if there is none.
+static stp_result match_name(stp_context* context, stp_folder_listings* listings, char* path,
+                             size_t begin, size_t end, bool* matched)
+{
+    char lower[NAME_MAX + 1];
+    size_t length = end - begin;
+    assert(begin < end && end <= strlen(path));
+    *matched = exists(path, end);
+    if (*matched || length > NAME_MAX) {
+        return STP_OK;
+    }
+    const stp_folder_listing* l;
+    stp_result result = find_listing(context, listings, path, begin, &l);
+    if (result != STP_OK) {
+        return result;
+    }
+    lower_name(path + begin, length, lower);
+    uint32_t index = stp_lookup_find(&l->names, lower, length, UINT32_MAX);
+    *matched = index != UINT32_MAX;
+    if (*matched) {
+        memcpy(path + begin, l->text + l->starts[index], length);
+    }
+    return STP_OK;
+}
+
+static stp_result match_names(stp_context* context, stp_folder_listings* listings, char* path,
+                              size_t folder_length, bool* matched)
+{
+    *matched = path[folder_length] != '\0';
+    for (size_t begin = folder_length; path[begin] != '\0' && *matched;) {
         size_t end = begin + strcspn(path + begin, "/");
-        if (end == begin || !match_name(path, begin, end)) {
-            return false;
+        *matched = end > begin;
+        stp_result result =
+            *matched ? match_name(context, listings, path, begin, end, matched) : STP_OK;
+        if (result != STP_OK) {
+            return result;
         }
         begin = end + (path[end] == '/');
     }
-    return is_file(path) && stp_path_is_below(path, folder_length);
+    *matched = *matched && stp_path_is_file(path) && stp_path_is_below(path, folder_length);
+    return STP_OK;
 }
 
-bool stp_path_find_similar(char* path, size_t folder_length)
+stp_result stp_path_find_similar(stp_context* context, stp_folder_listings* listings, char* path,
+                                 size_t folder_length)
 {
     char other[PATH_MAX];
     size_t length = strlen(path);
+    bool matched = false;
+    stp_result result = STP_OK;
     if (length >= sizeof(other)) {
-        return false;
+        return STP_OK;
     }
     assert(folder_length <= length);
-    for (int query = 0; query < 2; ++query) {
+    size_t query = folder_length + strcspn(path + folder_length, "?");
+    for (int pass = 0; pass < (query < length ? 2 : 1) && !matched && result == STP_OK; ++pass) {
         memcpy(other, path, length + 1);
-        if (query != 0) {
-            other[folder_length + strcspn(other + folder_length, "?")] = '\0';
-        }
-        if (other[folder_length] != '\0' && match_names(other, folder_length)) {
-            memcpy(path, other, strlen(other) + 1);
-            return true;
-        }
+        other[pass == 0 ? length : query] = '\0';
+        result = match_names(context, listings, other, folder_length, &matched);
     }
-    return false;
+    if (result == STP_OK && matched) {
+        memcpy(path, other, strlen(other) + 1);
+    }
+    return result;
 }

@@ -143,7 +143,7 @@ static bool find_columns(const reader* r, stp_columns* columns)
     return count == 3 || count == 4 || count == 7;
 }
 
-// The first point chooses the origin.
+// The first measured points choose the origin.
 static void set_origin(const reader* r, stp_cloud* cloud)
 {
     stp_place_sample places = {0};

@@ -47,9 +47,15 @@ static stp_result read_picture(stp_3mf* m, const stp_3mf_texture* texture, uint3
     }
     unsigned char* bytes;
     size_t size;
-    stp_result result = stp_zip_read(&m->zip, entry, &bytes, &size);
-    if (result != STP_OK) {
+    const char* reason;
+    stp_result result = stp_zip_unpack(&m->zip, entry, &bytes, &size, &reason);
+    if (result == STP_ERROR_OUT_OF_MEMORY) {
         return result;
+    }
+    if (result != STP_OK) {
+        stp_warn(m->context, "%s: \"%.200s\" is left out: %s", m->import->path, texture->path,
+                 reason);
+        return STP_OK;
     }
     bool read;
     stp_texture picture = {
@@ -164,26 +170,50 @@ static uint32_t texture_of(const stp_3mf* m, const stp_3mf_triangle* t)
     return t->group != STP_NONE ? m->groups[t->group].texture : STP_NONE;
 }
 
-// Each run of triangles with the same picture becomes a mesh.
+// Meshes of an object, one for each picture and one without.
+typedef struct builders {
+    builder* items;
+    size_t count, capacity;
+    size_t plain; ///< the one without a picture; SIZE_MAX: none
+} builders;
+
+static stp_result find_builder(stp_3mf* m, const stp_3mf_object* object, uint32_t texture,
+                               builders* all, builder** found)
+{
+    size_t* number = texture != STP_NONE ? &m->textures[texture].builder : &all->plain;
+    if (*number == SIZE_MAX) {
+        if (!STP_MAKE_ROOM(m->context, all->items, all->capacity, all->count + 1)) {
+            return stp_fail_memory(m->context);
+        }
+        all->items[all->count] = (builder){
+            .m = m, .object = object, .known = {.context = m->context}, .texture = texture};
+        *number = all->count++;
+    }
+    *found = &all->items[*number];
+    assert((*found)->texture == texture);
+    return STP_OK;
+}
+
+// Triangles with the same picture become a mesh.
 static stp_result add_meshes(stp_3mf* m, const stp_3mf_object* object, uint32_t* plain)
 {
-    if (object->triangle_count == 0) {
-        return STP_OK;
-    }
-    const stp_3mf_triangle* t = m->triangles + object->first_triangle;
+    builders all = {.plain = SIZE_MAX};
     stp_result result = STP_OK;
-    for (size_t i = 0; i < object->triangle_count && result == STP_OK;) {
-        builder b = {.m = m,
-                     .object = object,
-                     .known = {.context = m->context},
-                     .texture = texture_of(m, &t[i])};
-        for (; i < object->triangle_count && texture_of(m, &t[i]) == b.texture && result == STP_OK;
-             ++i) {
-            result = add_triangle(&b, &t[i]);
-        }
-        result = result == STP_OK ? end_mesh(&b, plain) : result;
-        free_builder(&b);
+    for (size_t i = 0; i < object->triangle_count && result == STP_OK; ++i) {
+        const stp_3mf_triangle* t = &m->triangles[object->first_triangle + i];
+        builder* b = NULL;
+        result = find_builder(m, object, texture_of(m, t), &all, &b);
+        result = result == STP_OK ? add_triangle(b, t) : result;
     }
+    for (size_t i = 0; i < all.count; ++i) {
+        builder* b = &all.items[i];
+        result = result == STP_OK ? end_mesh(b, plain) : result;
+        if (b->texture != STP_NONE) {
+            m->textures[b->texture].builder = SIZE_MAX;
+        }
+        free_builder(b);
+    }
+    stp_free(m->context, all.items);
     return result;
 }
 
@@ -251,36 +281,10 @@ static stp_result add_items(stp_3mf* m)
     return result;
 }
 
-static bool is_model(const stp_zip_entry* entry)
-{
-    static const char suffix[] = ".model";
-    size_t length = sizeof(suffix) - 1;
-    return entry->name_length > length &&
-           memcmp(entry->name + entry->name_length - length, suffix, length) == 0;
-}
-
-// Nearly all files have the model of the build here; otherwise, it is the first one.
-static stp_result find_root(stp_3mf* m)
-{
-    static const char usual[] = "3D/3dmodel.model";
-    const stp_zip_entry* entry = stp_zip_find(&m->zip, usual);
-    for (size_t i = 0; i < m->zip.count && entry == NULL; ++i) {
-        entry = is_model(&m->zip.entries[i]) ? &m->zip.entries[i] : NULL;
-    }
-    if (entry == NULL) {
-        return stp_fail(m->context, STP_ERROR_FORMAT, "%s: has no model in its archive",
-                        m->import->path);
-    }
-    uint32_t model;
-    const char* path =
-        stp_arena_copy_text(&m->import->scene->text, entry->name, entry->name_length);
-    return path != NULL ? stp_3mf_find_model(m, path, &model) : stp_fail_memory(m->context);
-}
-
 static stp_result read_package(stp_3mf* m)
 {
     stp_result result = stp_zip_open(&m->zip, m->import);
-    result = result == STP_OK ? find_root(m) : result;
+    result = result == STP_OK ? stp_3mf_find_root(m) : result;
     for (; result == STP_OK && m->parsed < m->model_count; ++m->parsed) { // paths add models
         result = stp_3mf_parse(m, (uint32_t)m->parsed);
     }
@@ -288,6 +292,9 @@ static stp_result read_package(stp_3mf* m)
         return result;
     }
     stp_import_set_axes(m->import, 'z', m->unit_metres);
+    if (m->item_count == 0) {
+        stp_warn(m->context, "%s: is empty: its build has no items", m->import->path);
+    }
     return add_items(m);
 }
 
@@ -297,7 +304,8 @@ static stp_result read(stp_import* import)
                  .context = import->context,
                  .unit_metres = 0.001,
                  .names = {.context = import->context},
-                 .paths = {.context = import->context}};
+                 .paths = {.context = import->context},
+                 .pictures = {.context = import->context}};
     stp_result result = read_package(&m);
     void* arrays[] = {m.models, m.objects, m.groups, m.textures, m.triangles,
                       m.uses,   m.items,   m.values, m.vertices};
@@ -306,6 +314,7 @@ static stp_result read(stp_import* import)
     }
     stp_lookup_destroy(&m.names);
     stp_lookup_destroy(&m.paths);
+    stp_lookup_destroy(&m.pictures);
     stp_zip_close(&m.zip);
     return result;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Inside the 3MF reader: the archive (zip.h), the XML of models (threemf_model.c), and the scene
-// (format_3mf.c).
+// Inside the 3MF reader: the archive (zip.h), its root model (threemf_package.c), the XML of models
+// (threemf_model.c), and the scene (format_3mf.c).
 //
 // Facts of the format: 3MF Core Specification 1.3, Materials 1.2, Production 1.1.
 #pragma once
@@ -20,6 +20,7 @@ typedef struct stp_3mf_texture {
     const char* path;
     stp_wrap wrap_u, wrap_v;
     uint32_t material; ///< made on first use; STP_NONE: none yet
+    size_t builder;    ///< of its mesh of the object being added; SIZE_MAX: none
 } stp_3mf_texture;
 
 typedef struct stp_3mf_triangle {
@@ -50,7 +51,8 @@ typedef struct stp_3mf {
     stp_context* context;
     stp_zip zip;
     double unit_metres;
-    const char** models; ///< paths of model files that were asked for; the first has the build
+    const char** models; ///< paths of model files that were asked for
+    uint32_t root;       ///< the model with the build; STP_NONE: the first that has items
     size_t model_count, model_capacity, parsed;
     stp_3mf_object* objects;
     stp_3mf_group* groups;
@@ -63,8 +65,9 @@ typedef struct stp_3mf {
         value_count, vertex_count;
     size_t object_capacity, group_capacity, texture_capacity, triangle_capacity, use_capacity,
         item_capacity, value_capacity, vertex_capacity;
-    stp_lookup names; ///< by kind, model and id: objects, groups, textures
-    stp_lookup paths; ///< models by path
+    stp_lookup names;    ///< by kind, model and id: objects, groups, textures
+    stp_lookup paths;    ///< models by path
+    stp_lookup pictures; ///< textures by path and wrap
 } stp_3mf;
 
 typedef enum stp_3mf_kind { STP_3MF_OBJECT, STP_3MF_GROUP, STP_3MF_TEXTURE } stp_3mf_kind;
@@ -74,5 +77,8 @@ uint32_t stp_3mf_find(const stp_3mf* m, stp_3mf_kind kind, uint32_t model, uint3
 /// The number of a model's path; adds it to the models if it is new. @return STP_OK,
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_3mf_find_model(stp_3mf* m, const char* path, uint32_t* model);
+/// Finds the root model, or all models if it is not known. @return STP_OK, STP_ERROR_FORMAT,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_3mf_find_root(stp_3mf* m);
 /// Parses model `model` and adds its content. @return STP_OK, or a failure, logged
 STP_MUST_USE stp_result stp_3mf_parse(stp_3mf* m, uint32_t model);

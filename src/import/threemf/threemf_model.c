@@ -16,6 +16,7 @@ typedef struct parsing {
     stp_3mf* m;
     XML_Parser parser;
     uint32_t model;
+    double unit_metres;
     stp_3mf_object* object; ///< the one being read; NULL: none
     stp_3mf_group* group;
     const XML_Char** attributes; ///< of the element being read
@@ -198,14 +199,28 @@ static stp_wrap read_wrap(const parsing* p, const char* name)
 
 static void add_texture(parsing* p)
 {
-    stp_3mf_texture* texture = ADD(p, textures, texture_count, texture_capacity);
-    if (texture != NULL) {
-        *texture = (stp_3mf_texture){.path = copy_text(p, attribute(p, "path")),
-                                     .wrap_u = read_wrap(p, "tilestyleu"),
-                                     .wrap_v = read_wrap(p, "tilestylev"),
-                                     .material = STP_NONE};
-        name_resource(p, STP_3MF_TEXTURE, p->m->texture_count - 1);
+    const char* path = attribute(p, "path");
+    struct {
+        stp_hash path;
+        uint64_t wrap_u, wrap_v;
+    } key = {
+        stp_hash_bytes((stp_hash){0}, path != NULL ? path : "", path != NULL ? strlen(path) : 0),
+        read_wrap(p, "tilestyleu"), read_wrap(p, "tilestylev")};
+    uint32_t fresh = (uint32_t)p->m->texture_count, found;
+    if (stp_lookup_add(&p->m->pictures, &key, sizeof(key), fresh, &found) != STP_OK) {
+        stop_logged(p);
+        return;
     }
+    stp_3mf_texture* texture =
+        found == fresh ? ADD(p, textures, texture_count, texture_capacity) : NULL;
+    if (texture != NULL) {
+        *texture = (stp_3mf_texture){.path = copy_text(p, path),
+                                     .wrap_u = (stp_wrap)key.wrap_u,
+                                     .wrap_v = (stp_wrap)key.wrap_v,
+                                     .material = STP_NONE,
+                                     .builder = SIZE_MAX};
+    }
+    name_resource(p, STP_3MF_TEXTURE, found);
 }
 
 static void add_texcoord(parsing* p)
@@ -338,12 +353,17 @@ static double unit_named(const char* name)
 
 static void begin_use(parsing* p, bool item)
 {
-    if (item) {
+    stp_3mf* m = p->m;
+    if (item && m->root == STP_NONE) {
+        m->root = p->model;
+        m->unit_metres = p->unit_metres;
+    }
+    if (item && p->model == m->root) { // builds of other models do not count
         stp_3mf_use* use = ADD(p, items, item_count, item_capacity);
         if (use != NULL) {
             fill_use(p, use);
         }
-    } else if (p->object != NULL) {
+    } else if (!item && p->object != NULL) {
         stp_3mf_use* use = ADD(p, uses, use_count, use_capacity);
         if (use != NULL) {
             p->object->use_count += 1;
@@ -373,7 +393,7 @@ static void XMLCALL begin_element(void* user, const XML_Char* full, const XML_Ch
         begin_object(p);
     } else if (strcmp(name, "component") == 0) {
         begin_use(p, false);
-    } else if (strcmp(name, "item") == 0 && p->model == 0) {
+    } else if (strcmp(name, "item") == 0) {
         begin_use(p, true);
     } else if (is_one_of(name, "basematerials", "colorgroup")) {
         begin_group(p, STP_NONE);
@@ -390,8 +410,9 @@ static void XMLCALL begin_element(void* user, const XML_Char* full, const XML_Ch
         add_texcoord(p);
     } else if (strcmp(name, "texture2d") == 0) {
         add_texture(p);
-    } else if (strcmp(name, "model") == 0 && p->model == 0) {
-        p->m->unit_metres = unit_named(attribute(p, "unit"));
+    } else if (strcmp(name, "model") == 0) {
+        p->unit_metres = unit_named(attribute(p, "unit"));
+        p->m->unit_metres = p->model == p->m->root ? p->unit_metres : p->m->unit_metres;
     } else if (strcmp(name, "beam") == 0) {
         stp_losses_add(&p->m->import->losses, STP_LOSS_LINE, 1);
     }
