@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "import/e57/e57.h"
 #include "import/reading/text.h"
+#include "import/reading/xml_reading.h"
 
 #include <assert.h>
 #include <errno.h>
-#include <expat.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,21 +13,20 @@
 #define NODES_MAX ((size_t)1 << 20)
 
 typedef struct parsing {
+    stp_xml_reading xml;
     stp_e57* e57;
-    XML_Parser parser;
     stp_e57_node* open; ///< innermost element
     size_t depth, node_count;
     char* text; ///< text of the innermost element so far
     size_t length, capacity;
     bool out_of_memory;
-    const char* refused; ///< why parsing was stopped; NULL: it was not
 } parsing;
 
 static void stop(parsing* p, const char* why)
 {
-    p->refused = why;
+    p->xml.refused = why;
     p->out_of_memory = p->out_of_memory || why == NULL;
-    (void)XML_StopParser(p->parser, XML_FALSE);
+    (void)XML_StopParser(p->xml.parser, XML_FALSE);
 }
 
 // A copy followed by a line end, for number parsing.
@@ -97,7 +96,7 @@ static void XMLCALL end_element(void* user, const XML_Char* name)
 {
     (void)name;
     parsing* p = user;
-    if (p->refused != NULL || p->out_of_memory) { // called once more after `stop`
+    if (p->xml.refused != NULL || p->out_of_memory) { // called once more after `stop`
         return;
     }
     if (p->open->first == NULL && p->length > 0 &&
@@ -126,37 +125,25 @@ static void XMLCALL add_text(void* user, const XML_Char* bytes, int length)
     p->length = needed;
 }
 
-// Entities do not belong in such files, and can expand a small text to a huge one.
-static void XMLCALL refuse_doctype(void* user, const XML_Char* name, const XML_Char* system,
-                                   const XML_Char* public, int internal)
-{
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)internal;
-    stop(user, "has a document type");
-}
-
 static stp_result fail(const parsing* p)
 {
     const stp_import* import = p->e57->import;
-    enum XML_Error code = XML_GetErrorCode(p->parser);
+    enum XML_Error code = XML_GetErrorCode(p->xml.parser);
     if (p->out_of_memory || code == XML_ERROR_NO_MEMORY) {
         return stp_fail_memory(import->context);
     }
     return stp_fail(import->context, STP_ERROR_FORMAT, "%s: line %llu of its XML section %s%s",
-                    import->path, (unsigned long long)XML_GetCurrentLineNumber(p->parser),
-                    p->refused != NULL ? "" : "cannot be read: ",
-                    p->refused != NULL ? p->refused : XML_ErrorString(code));
+                    import->path, (unsigned long long)XML_GetCurrentLineNumber(p->xml.parser),
+                    p->xml.refused != NULL ? "" : "cannot be read: ",
+                    p->xml.refused != NULL ? p->xml.refused : XML_ErrorString(code));
 }
 
 static stp_result parse(parsing* p)
 {
     const stp_e57* e57 = p->e57;
-    XML_SetUserData(p->parser, p);
-    XML_SetElementHandler(p->parser, begin_element, end_element);
-    XML_SetCharacterDataHandler(p->parser, add_text);
-    XML_SetStartDoctypeDeclHandler(p->parser, refuse_doctype);
+    stp_xml_begin(&p->xml);
+    XML_SetElementHandler(p->xml.parser, begin_element, end_element);
+    XML_SetCharacterDataHandler(p->xml.parser, add_text);
     uint64_t at = e57->xml_logical, end = at + e57->xml_length;
     do {
         const unsigned char* bytes = (const unsigned char*)"";
@@ -164,7 +151,7 @@ static stp_result parse(parsing* p)
         held = held < end - at ? held : (size_t)(end - at);
         assert((held > 0 || at == end) && "the section lies within the file");
         at += held;
-        if (XML_Parse(p->parser, (const char*)bytes, (int)held, at == end) != XML_STATUS_OK) {
+        if (XML_Parse(p->xml.parser, (const char*)bytes, (int)held, at == end) != XML_STATUS_OK) {
             return fail(p);
         }
     } while (at < end);
@@ -179,12 +166,12 @@ stp_result stp_e57_read_tree(stp_e57* e57)
                         "%s: its XML section has %llu bytes, more than %llu", e57->import->path,
                         (unsigned long long)e57->xml_length, (unsigned long long)MAX_SIZE);
     }
-    parsing p = {.e57 = e57, .parser = XML_ParserCreate(NULL)};
-    if (p.parser == NULL) {
+    parsing p = {.e57 = e57, .xml.parser = XML_ParserCreate(NULL)};
+    if (p.xml.parser == NULL) {
         return stp_fail_memory(context);
     }
     stp_result result = parse(&p);
-    XML_ParserFree(p.parser);
+    XML_ParserFree(p.xml.parser);
     stp_free(context, p.text);
     return result;
 }

@@ -2,10 +2,10 @@
 // The XML of a 3MF model. Names are compared without their prefixes, because each of the
 // specifications has elements of its own.
 #include "import/reading/text.h"
+#include "import/reading/xml_reading.h"
 #include "import/threemf/threemf.h"
 
 #include <assert.h>
-#include <expat.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +13,8 @@
 enum { NUMBERS_SIZE = 1024, DEPTH_MAX = 64 }; // bytes of an attribute with numbers
 
 typedef struct parsing {
+    stp_xml_reading xml;
     stp_3mf* m;
-    XML_Parser parser;
     uint32_t model;
     double unit_metres;
     stp_3mf_object* object; ///< the one being read; NULL: none
@@ -24,24 +24,17 @@ typedef struct parsing {
     bool stopped;
     bool logged; ///< the failure that stopped it is already logged
     bool no_memory;
-    const char* fault; ///< why it was stopped otherwise
 } parsing;
-
-static const char* local_name(const char* name)
-{
-    const char* colon = strrchr(name, ':');
-    return colon != NULL ? colon + 1 : name;
-}
 
 static void stop(parsing* p)
 {
     p->stopped = true;
-    (void)XML_StopParser(p->parser, XML_FALSE);
+    (void)XML_StopParser(p->xml.parser, XML_FALSE);
 }
 
 static void stop_with(parsing* p, const char* fault)
 {
-    p->fault = p->stopped ? p->fault : fault;
+    p->xml.refused = p->stopped ? p->xml.refused : fault;
     stop(p);
 }
 
@@ -61,7 +54,7 @@ static void stop_logged(parsing* p)
 static const char* attribute(const parsing* p, const char* name)
 {
     for (const XML_Char** at = p->attributes; *at != NULL; at += 2) {
-        if (strcmp(local_name(at[0]), name) == 0) {
+        if (strcmp(stp_xml_local_name(at[0]), name) == 0) {
             return at[1];
         }
     }
@@ -299,7 +292,7 @@ static void add_triangle(parsing* p)
     }
 }
 
-// A row of the file's matrix is what becomes of an axis.
+// The file has the matrix transposed: its rows are our columns.
 static bool read_transform(const parsing* p, stp_affine* transform)
 {
     double n[12];
@@ -380,7 +373,7 @@ static bool is_one_of(const char* name, const char* a, const char* b)
 static void XMLCALL begin_element(void* user, const XML_Char* full, const XML_Char** attributes)
 {
     parsing* p = user;
-    const char* name = local_name(full);
+    const char* name = stp_xml_local_name(full);
     p->attributes = attributes;
     p->depth += 1;
     if (p->depth > DEPTH_MAX) {
@@ -421,7 +414,7 @@ static void XMLCALL begin_element(void* user, const XML_Char* full, const XML_Ch
 static void XMLCALL end_element(void* user, const XML_Char* full)
 {
     parsing* p = user;
-    const char* name = local_name(full);
+    const char* name = stp_xml_local_name(full);
     p->depth -= 1;
     if (strcmp(name, "object") == 0) {
         p->object = NULL;
@@ -431,21 +424,10 @@ static void XMLCALL end_element(void* user, const XML_Char* full)
     }
 }
 
-// Entities do not belong in such files, and can expand a small text to a huge one.
-static void XMLCALL refuse_doctype(void* user, const XML_Char* name, const XML_Char* system,
-                                   const XML_Char* public, int internal)
-{
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)internal;
-    stop_with(user, "has a document type");
-}
-
 static stp_result fail(const parsing* p)
 {
     const stp_import* import = p->m->import;
-    enum XML_Error code = XML_GetErrorCode(p->parser);
+    enum XML_Error code = XML_GetErrorCode(p->xml.parser);
     if (p->logged) {
         return STP_ERROR_OUT_OF_MEMORY; // the only failure of lookups
     }
@@ -453,20 +435,20 @@ static stp_result fail(const parsing* p)
         return stp_fail_memory(import->context);
     }
     return stp_fail(import->context, STP_ERROR_FORMAT, "%s: %s: line %llu %s%s", import->path,
-                    p->m->models[p->model], (unsigned long long)XML_GetCurrentLineNumber(p->parser),
-                    p->fault != NULL ? "" : "cannot be read: ",
-                    p->fault != NULL ? p->fault : XML_ErrorString(code));
+                    p->m->models[p->model],
+                    (unsigned long long)XML_GetCurrentLineNumber(p->xml.parser),
+                    p->xml.refused != NULL ? "" : "cannot be read: ",
+                    p->xml.refused != NULL ? p->xml.refused : XML_ErrorString(code));
 }
 
 static stp_result parse_bytes(parsing* p, const unsigned char* bytes, size_t size)
 {
     enum { STEP = 1 << 20 };
-    XML_SetUserData(p->parser, p);
-    XML_SetElementHandler(p->parser, begin_element, end_element);
-    XML_SetStartDoctypeDeclHandler(p->parser, refuse_doctype);
+    stp_xml_begin(&p->xml);
+    XML_SetElementHandler(p->xml.parser, begin_element, end_element);
     for (size_t at = 0; at <= size; at += STEP) {
         size_t part = size - at < STEP ? size - at : STEP;
-        if (XML_Parse(p->parser, (const char*)bytes + at, (int)part, at + STEP > size) !=
+        if (XML_Parse(p->xml.parser, (const char*)bytes + at, (int)part, at + STEP > size) !=
             XML_STATUS_OK) {
             return fail(p);
         }
@@ -489,10 +471,10 @@ stp_result stp_3mf_parse(stp_3mf* m, uint32_t model)
     if (result != STP_OK) {
         return result;
     }
-    parsing p = {.m = m, .model = model, .parser = XML_ParserCreate(NULL)};
-    result = p.parser != NULL ? parse_bytes(&p, bytes, size) : stp_fail_memory(m->context);
-    if (p.parser != NULL) {
-        XML_ParserFree(p.parser);
+    parsing p = {.m = m, .model = model, .xml.parser = XML_ParserCreate(NULL)};
+    result = p.xml.parser != NULL ? parse_bytes(&p, bytes, size) : stp_fail_memory(m->context);
+    if (p.xml.parser != NULL) {
+        XML_ParserFree(p.xml.parser);
     }
     stp_free(m->context, bytes);
     return result;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Finds the model of a 3MF package that has the build: the start part, which _rels/.rels names (Open
 // Packaging Conventions).
+#include "import/reading/xml_reading.h"
 #include "import/threemf/threemf.h"
 
 #include <assert.h>
-#include <expat.h>
 #include <limits.h>
 #include <string.h>
 
 typedef struct start_part {
-    XML_Parser parser;
+    stp_xml_reading xml;
     stp_arena* text;
     const char* target; ///< NULL: none so far
     bool no_memory;
@@ -24,8 +24,8 @@ static bool ends_with(const char* text, size_t length, const char* suffix)
 static void XMLCALL begin_element(void* user, const XML_Char* name, const XML_Char** attributes)
 {
     start_part* start = user;
-    const char *type = "", *target = NULL, *colon = strrchr(name, ':');
-    if (start->target != NULL || strcmp(colon != NULL ? colon + 1 : name, "Relationship") != 0) {
+    const char *type = "", *target = NULL;
+    if (start->target != NULL || strcmp(stp_xml_local_name(name), "Relationship") != 0) {
         return;
     }
     for (; *attributes != NULL; attributes += 2) {
@@ -36,17 +36,6 @@ static void XMLCALL begin_element(void* user, const XML_Char* name, const XML_Ch
         start->target = stp_arena_copy_text(start->text, target, strlen(target));
         start->no_memory = start->target == NULL;
     }
-}
-
-static void XMLCALL refuse_doctype(void* user, const XML_Char* name, const XML_Char* system,
-                                   const XML_Char* public, int internal)
-{
-    start_part* start = user;
-    (void)name;
-    (void)system;
-    (void)public;
-    (void)internal;
-    (void)XML_StopParser(start->parser, XML_FALSE);
 }
 
 // The entry of the start part; NULL if no relationship that can be read names one.
@@ -64,18 +53,17 @@ static stp_result find_start(stp_3mf* m, const stp_zip_entry** found)
     if (result != STP_OK) {
         return result == STP_ERROR_OUT_OF_MEMORY ? result : STP_OK;
     }
-    start_part start = {.parser = XML_ParserCreate(NULL), .text = &m->import->scene->text};
-    start.no_memory = start.parser == NULL;
-    if (start.parser != NULL && size <= INT_MAX) {
-        XML_SetUserData(start.parser, &start);
-        XML_SetStartElementHandler(start.parser, begin_element);
-        XML_SetStartDoctypeDeclHandler(start.parser, refuse_doctype);
-        if (XML_Parse(start.parser, (const char*)bytes, (int)size, XML_TRUE) != XML_STATUS_OK) {
-            start.no_memory |= XML_GetErrorCode(start.parser) == XML_ERROR_NO_MEMORY;
+    start_part start = {.xml.parser = XML_ParserCreate(NULL), .text = &m->import->scene->text};
+    start.no_memory = start.xml.parser == NULL;
+    if (start.xml.parser != NULL && size <= INT_MAX) {
+        stp_xml_begin(&start.xml);
+        XML_SetStartElementHandler(start.xml.parser, begin_element);
+        if (XML_Parse(start.xml.parser, (const char*)bytes, (int)size, XML_TRUE) != XML_STATUS_OK) {
+            start.no_memory |= XML_GetErrorCode(start.xml.parser) == XML_ERROR_NO_MEMORY;
         }
     }
-    if (start.parser != NULL) {
-        XML_ParserFree(start.parser);
+    if (start.xml.parser != NULL) {
+        XML_ParserFree(start.xml.parser);
     }
     stp_free(m->context, bytes);
     *found = start.target != NULL ? stp_zip_find(&m->zip, start.target) : NULL;
