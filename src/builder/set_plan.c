@@ -16,11 +16,10 @@
 // this many times fewer splats than they have (hidden surfaces are left out).
 #define ITEM_SPLATS 250.0
 #define THINNER 16.0
-#define COVERED 0.9        // share of a node's triangles that the sets below must represent
-#define GRID_STEPS 65535.0 // of the positions of a set (lod/blue/octave_grid.c)
-#define DENSE_POINTS 256   // fewer need no fine grid
-#define DENSE_PART 0.25    // and so do less than this part of a node
-#define FIXED_COST 1000.0  // cost of a step without its splats, in splats
+#define COVERED 0.9       // share of a node's triangles that the sets below must represent
+#define DENSE_POINTS 256  // fewer need no fine grid
+#define DENSE_PART 0.25   // and so do less than this part of a node
+#define FIXED_COST 1000.0 // cost of a step without its splats, in splats
 // Peak memory of a step, measured with one thread and two (scripts/check_memory.py prints the sum).
 // Fixed: the pictures of a capture. Per candidate: columns, order and tables. A point cloud's
 // candidates are its points, with their hierarchy.
@@ -203,7 +202,8 @@ static bool passes_through(const planning* p, const stp_node* node, uint32_t ind
 static bool is_grid_too_coarse(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];
-    double steps = r->dense_side / longest_side(p->scene->nodes[index].bounds) * GRID_STEPS + 1.0;
+    double steps =
+        r->dense_side / longest_side(p->scene->nodes[index].bounds) * STP_POSITION_STEPS + 1.0;
     double part = r->dense_points / count_shapes(p, index);
     return p->scene->nodes[index].edge_count > 0 && r->dense_side > 0.0 && part > DENSE_PART &&
            expected_splats(p, index) * part > steps * steps;

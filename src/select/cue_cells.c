@@ -20,12 +20,11 @@ uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uin
                : stp_leaf_until(last, octaves - 1, all) - stp_leaf_until(first, octaves - 1, all);
 }
 
-uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here)
+uint32_t stp_cue_octaves(const stp_splats* set, uint32_t here)
 {
     uint32_t octaves = set->octave_count;
-    while (octaves > 1 && (set->octave_ends[octaves - 1] > here || share < 0.5)) {
+    while (octaves > 1 && set->octave_ends[octaves - 1] > here) {
         octaves -= 1;
-        share *= 4.0;
     }
     return octaves;
 }

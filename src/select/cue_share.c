@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Distributes a number of splats over the leaves of a set, for methods `stochastic` with --splats.
+// Distributes a number of splats over the leaves of a set, for method `stochastic` with --splats.
 #include "base/splats/leaf_runs.h"
 #include "select/cues.h"
 
@@ -8,14 +8,19 @@
 #define OPENS_FROM 4 // a cube that gets fewer splats is opened only if each part gets one
 #define UNSEEN 0.01  // weight of a leaf outside the view, for each splat of the view's size
 
+/// What a node of the tree over the leaves gets.
+typedef struct stp_cue_part {
+    double weight;  ///< of a leaf
+    double wanted;  ///< splats of its leaves at the density
+    uint32_t given; ///< the same as a whole number, once its parent is opened
+} stp_cue_part;
+
 /// Distribution of a splat count over the leaves of a set.
 typedef struct cue_share {
     const stp_cue_view* view;
     uint32_t octaves; ///< number of loaded octaves
     double density;   ///< splats per unit of weight
-    double* weights;  ///< by node, of leaves
-    double* wanted;   ///< by node: splats of its leaves at that density
-    uint32_t* given;  ///< by node: the same as whole numbers, once its parent is opened
+    stp_cue_part* parts;
 } cue_share;
 
 /// Weight of a leaf by the view; 0 of a cube, whose leaves share its ray if they are few.
@@ -45,9 +50,9 @@ static void weigh(cue_share* share)
     stp_cue_ray ray = {0};
     for (uint32_t i = 0; i < leaves->node_count; ++i) {
         const stp_leaf_node* node = &leaves->nodes[i];
-        share->weights[i] = by_view                ? importance_of(share->view, i, &ray)
-                            : node->leaf_count > 1 ? 0.0
-                                                   : area_of(share->view, node);
+        share->parts[i].weight = by_view                ? importance_of(share->view, i, &ray)
+                                 : node->leaf_count > 1 ? 0.0
+                                                        : area_of(share->view, node);
     }
 }
 
@@ -71,7 +76,7 @@ static void find_density(cue_share* share, double wanted)
             if (node->leaf_count > 1) {
                 continue;
             }
-            double mine = share->weights[i];
+            double mine = share->parts[i].weight;
             double maximum = (double)count_loaded(share, node);
             bool all = share->density * mine >= maximum;
             given += all ? maximum : 0.0;
@@ -89,14 +94,15 @@ static void sum_wanted(cue_share* share)
     const stp_store_leaves* leaves = share->view->leaves;
     for (uint32_t i = leaves->node_count; i-- > 0;) { // parts before their cube
         const stp_leaf_node* node = &leaves->nodes[i];
-        double sum = fmin(share->density * share->weights[i], (double)count_loaded(share, node));
+        double sum =
+            fmin(share->density * share->parts[i].weight, (double)count_loaded(share, node));
         if (node->leaf_count > 1) {
             sum = 0.0;
             for (uint32_t k = i + 1; k < node->next; k = leaves->nodes[k].next) {
-                sum += share->wanted[k];
+                sum += share->parts[k].wanted;
             }
         }
-        share->wanted[i] = sum;
+        share->parts[i].wanted = sum;
     }
 }
 
@@ -105,23 +111,23 @@ static void sum_wanted(cue_share* share)
 static uint32_t share_among_parts(cue_share* share, uint32_t index)
 {
     const stp_leaf_node* nodes = share->view->leaves->nodes;
-    uint32_t end = nodes[index].next, left = share->given[index], bare = 0;
-    double per = share->wanted[index] > 0.0 ? (double)left / share->wanted[index] : 0.0;
+    uint32_t end = nodes[index].next, left = share->parts[index].given, bare = 0;
+    double per = share->parts[index].wanted > 0.0 ? (double)left / share->parts[index].wanted : 0.0;
     double carried = 0.0;
     for (uint32_t i = index + 1; i < end; i = nodes[i].next) {
         uint32_t maximum = count_loaded(share, &nodes[i]);
-        carried += per * share->wanted[i];
+        carried += per * share->parts[i].wanted;
         double whole = fmin(fmax(floor(carried + 0.5), 0.0), fmin(maximum, left));
-        share->given[i] = (uint32_t)whole;
+        share->parts[i].given = (uint32_t)whole;
         carried -= whole;
-        left -= share->given[i];
+        left -= share->parts[i].given;
     }
     for (uint32_t i = index + 1; i < end; i = nodes[i].next) { // remainder of rounding
-        uint32_t room = count_loaded(share, &nodes[i]) - share->given[i];
+        uint32_t room = count_loaded(share, &nodes[i]) - share->parts[i].given;
         uint32_t more = room < left ? room : left;
-        share->given[i] += more;
+        share->parts[i].given += more;
         left -= more;
-        bare += share->given[i] == 0 && nodes[i].area > 0.0f ? 1 : 0;
+        bare += share->parts[i].given == 0 && nodes[i].area > 0.0f ? 1 : 0;
     }
     assert(left == 0 && "a cube gets no more than its leaves have");
     return bare;
@@ -134,7 +140,7 @@ static stp_result add_cells(stp_selection* s, cue_share* share, size_t* count)
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &leaves->nodes[i];
-        uint32_t given = share->given[i];
+        uint32_t given = share->parts[i].given;
         bool opens = node->leaf_count > 1 && given > 0 &&
                      (share_among_parts(share, i) == 0 || given >= OPENS_FROM);
         if (!opens) {
@@ -152,24 +158,15 @@ stp_result stp_cue_share_out(stp_selection* s, const stp_cue_view* view, uint32_
     if (wanted == view->set->count && here == wanted) {
         return stp_cue_add_cell(s, count, (stp_cue_cell){.last = wanted, .count = wanted});
     }
-    uint32_t nodes = view->leaves->node_count;
-    cue_share share = {.view = view,
-                       .octaves = stp_cue_octaves(view->set, 1.0, here),
-                       .weights = STP_NEW_ARRAY(s->context, double, nodes),
-                       .wanted = STP_NEW_ARRAY(s->context, double, nodes),
-                       .given = STP_NEW_ARRAY(s->context, uint32_t, nodes)};
-    stp_result result = STP_ERROR_OUT_OF_MEMORY;
-    if (share.weights != NULL && share.wanted != NULL && share.given != NULL) {
-        weigh(&share);
-        find_density(&share, (double)wanted);
-        sum_wanted(&share);
-        share.given[0] = wanted;
-        result = add_cells(s, &share, count);
-    } else {
-        (void)stp_fail_memory(s->context);
+    stp_draw_list* list = s->list;
+    if (!STP_MAKE_ROOM(s->context, list->parts, list->part_capacity, view->leaves->node_count)) {
+        return stp_fail_memory(s->context);
     }
-    stp_free(s->context, share.given);
-    stp_free(s->context, share.wanted);
-    stp_free(s->context, share.weights);
-    return result;
+    cue_share share = {
+        .view = view, .octaves = stp_cue_octaves(view->set, here), .parts = list->parts};
+    weigh(&share);
+    find_density(&share, (double)wanted);
+    sum_wanted(&share);
+    share.parts[0].given = wanted;
+    return add_cells(s, &share, count);
 }

@@ -112,9 +112,8 @@ typedef struct stp_cue_cell {
     uint32_t next;   ///< the next cell with the same growth
 } stp_cue_cell;
 
-/// Finds the number of octaves whose share of the set's splats is nearest to `share`, at most that
-/// of `here` splats. @return number of octaves
-uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here);
+/// Number of octaves of which all splats are loaded, if the first `here` are; at least 1.
+uint32_t stp_cue_octaves(const stp_splats* set, uint32_t here);
 
 /// The first `count` splats of a leaf or cube.
 stp_cue_cell stp_cue_cell_make(const stp_leaf_node* node, uint32_t count);
@@ -126,10 +125,10 @@ uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uin
 /// afterwards
 STP_MUST_USE stp_result stp_cue_add_cell(stp_selection* s, size_t* count, stp_cue_cell cell);
 
-/// Distributes exactly `wanted` splats over all leaves of a set: with STP_CUE_IMPORTANCE_BIT by what
-/// the view wants of each, else by area and, with the paper's cues, by flatness and edges, visible
-/// or not. Leaves that have too few give all. Cubes whose leaves
-/// would get none are cells as a whole, so that no part of the surface stays bare.
+/// Distributes exactly `wanted` splats over all leaves of a set. With STP_CUE_IMPORTANCE_BIT a leaf
+/// gets what the view wants of it, else its share of the area, which the paper's cues multiply by
+/// flatness and edges. Leaves that have too few give all. Cubes whose leaves would get none are
+/// cells as a whole, so that no part of the surface stays bare.
 /// @param here splats loaded; `wanted` is at most as many
 STP_MUST_USE stp_result stp_cue_share_out(stp_selection* s, const stp_cue_view* view,
                                           uint32_t wanted, uint32_t here, size_t* count);

@@ -43,7 +43,7 @@ typedef struct stp_farthest_store {
 } stp_farthest_store;
 
 /// The visible content of a file; `placed`: of this object only, or NULL. What a partial file lacks
-/// counts as boxes. `content` must outlive the graph. @return false if the scene is empty
+/// counts as boxes. Points far from the rest of a cloud are left out (scene/strays.h). `content` must outlive the graph. @return false if the scene is empty
 STP_MUST_USE bool stp_farthest_begin(const stp_farthest_store* content,
                                      const stp_placed_node* placed, stp_farthest_graph* graph);
 

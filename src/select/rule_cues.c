@@ -86,7 +86,7 @@ static double threshold_of(const stp_leaf_node* node)
 static uint32_t count_of_cube(const stp_splats* set, const stp_leaf_node* node, double samples,
                               uint32_t here)
 {
-    uint32_t octaves = stp_cue_octaves(set, 1.0, here), low = 0, high = 0;
+    uint32_t octaves = stp_cue_octaves(set, here), low = 0, high = 0;
     for (uint32_t k = 1; k <= octaves && (double)high <= samples; ++k) {
         low = high;
         high = stp_cue_count(set, node->first, node->first + node->count, k);
@@ -109,7 +109,7 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     if (node->leaf_count > 1) {
         return stp_cue_cell_make(node, count_of_cube(set, node, samples, here));
     }
-    uint32_t octaves = stp_cue_octaves(set, 1.0, here);
+    uint32_t octaves = stp_cue_octaves(set, here);
     uint32_t maximum = stp_cue_count(set, node->first, node->first + node->count, octaves);
     uint32_t count = samples < (double)maximum ? (uint32_t)(samples + 0.5) : maximum;
     assert(count <= maximum && maximum <= node->count);
@@ -130,7 +130,7 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
 /// One splat of a cube, if the loaded octaves contain one.
 static stp_cue_cell single_splat(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
 {
-    uint32_t octaves = stp_cue_octaves(set, 1.0, here);
+    uint32_t octaves = stp_cue_octaves(set, here);
     uint32_t maximum = stp_cue_count(set, node->first, node->first + node->count, octaves);
     return stp_cue_cell_make(node, maximum > 0 ? 1 : 0);
 }

@@ -107,6 +107,7 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list)
     stp_free(context, list->cuts);
     stp_free(context, list->shares);
     stp_free(context, list->cells);
+    stp_free(context, list->parts);
     stp_select_destroy_graph(context, list->graph);
     *list = (stp_draw_list){0};
 }

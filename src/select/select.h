@@ -32,8 +32,8 @@ enum {
     /// By coverage of the samples' splats, not by the paper's numbers: see STP_CUE_COVERING.
     STP_CUE_ERROR_BIT = 32,
     STP_CUE_SPECULAR_BIT = 64, ///< more where a polished surface may show a highlight
-    /// Of a number of splats each leaf gets a share by what the view wants of it, not by its area:
-    /// importance sampling (Bhakar 2004, 5).
+    /// Importance sampling (Bhakar 2004, 5): a number of splats goes to the leaves in proportion to
+    /// what the view needs of them, not to their area.
     STP_CUE_IMPORTANCE_BIT = 128,
     STP_CUES_ALL = 255,
     STP_CUES_PAPER = 31, ///< Table 1 as it is printed
@@ -161,6 +161,8 @@ typedef struct stp_draw_list {
     struct stp_select_share* shares; ///< for the splat count
     size_t share_capacity;
     struct stp_cue_cell* cells; ///< cells of the last added set
+    struct stp_cue_part* parts; ///< of its nodes, when a number of splats is distributed
+    size_t part_capacity;
     size_t cell_capacity;
 } stp_draw_list;
 

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Views take from cubes of many leaves what these leaves want together, by Table 1 (Bhakar, Luo,
 // Mudur 2004) leaf by leaf, and more in larger pictures (src/select/rule_cues.c).
-#include "tests.h"
+#include "stochastic_scene.h"
 
 #include "base/math/rng.h"
-#include "draw/support_store.h"
-#include "lod/set_columns.h"
-#include "lod/stochastic/set.h"
 #include "select/cues.h"
-#include "select/select.h"
 
 #include <string.h>
 
 enum { POINTS = 40000 };
-
-typedef struct fixture {
-    stp_context* context;
-    made_scene scene;
-    stp_store* store;
-    stp_store_leaves leaves;
-    stp_draw_list list;
-} fixture;
 
 static double unit(uint64_t seed, uint64_t index)
 {
@@ -53,63 +41,30 @@ static void place_point(uint64_t i, float* p, float* n)
     p[(axis + 2) % 3] = (float)(b - 0.5);
 }
 
-static bool make_set(stp_context* context, stp_splats* set)
+static bool set_up(stochastic_scene* f)
 {
     static float positions[3 * POINTS], normals[3 * POINTS];
-    static uint8_t colors[4 * POINTS];
-    static uint32_t materials[POINTS];
-    static const uint8_t shadings[1] = {0};
+    const stp_leaf_desc desc = {.budget = 100, .minimum = 16, .flatness = 0.005f, .sample = 100};
     for (uint64_t i = 0; i < POINTS; ++i) {
         place_point(i, positions + 3 * i, normals + 3 * i);
     }
-    stp_candidates candidates = {.count = POINTS,
-                                 .positions = positions,
-                                 .normals = normals,
-                                 .colors = colors,
-                                 .materials = materials};
-    const stp_leaf_desc desc = {.budget = 100, .minimum = 16, .flatness = 0.005f, .sample = 100};
-    const stp_stochastic_source source = {.candidates = &candidates,
-                                          .shading_of_material = shadings,
-                                          .wanted = POINTS,
-                                          .has_normals = true};
-    return stp_stochastic_make_set(context, &source, &desc, set) == STP_OK;
-}
-
-static bool set_up(fixture* f)
-{
-    *f = (fixture){.context = test_context(NULL, 1, NULL)};
-    made_scene* s = &f->scene;
-    if (f->context == NULL || !make_set(f->context, &s->sets[0])) {
-        return false;
-    }
-    s->node_count = s->shading_count = s->set_count = 1;
-    s->nodes[0] = (stp_store_node){.point_count = POINTS, .bounds = {{-2, -1, -2}, {2, 1, 2}}};
-    s->method = (stp_store_method){
-        .name = "stochastic", .id = STP_METHOD_STOCHASTIC, .columns = STP_STOCHASTIC_COLUMNS};
-    f->store = made_open(f->context, s);
-    return f->store != NULL && stp_store_get_leaves(f->store, 0, &f->leaves) == STP_OK &&
+    return stochastic_scene_open(f, &desc, positions, normals, POINTS,
+                                 (stp_boxd){{-2, -1, -2}, {2, 1, 2}}) &&
            f->leaves.leaf_count > 300;
 }
 
-static void tear_down(fixture* f)
-{
-    stp_draw_list_destroy(f->context, &f->list);
-    stp_store_close(f->store);
-    stp_splats_destroy(f->context, &f->scene.sets[0]);
-    stp_context_destroy(f->context);
-}
-
 /// What the leaves of a view want, one by one.
-static double sum_leaves(const fixture* f, const stp_view* view, const stp_quality* quality)
+static double sum_leaves(const stochastic_scene* f, const stp_view* view,
+                         const stp_quality* quality)
 {
     stp_draw_list list = {.splat_size = quality->splat_size};
     stp_selection s = {.quality = quality, .list = &list, .eye_count = 1};
     const stp_select_entry at = {.transform = stp_affine_identity()};
     stp_box_visibility all, sight;
-    const stp_boxd box = f->scene.nodes[0].bounds;
+    const stp_boxd box = f->made.nodes[0].bounds;
     (void)stp_view_frame_make(view, &s.frames[0]);
     (void)stp_select_is_in_view(&s, &box, &all);
-    stp_cue_view cues = stp_cue_view_make(&s, &at, &f->scene.sets[0], &f->leaves, &all);
+    stp_cue_view cues = stp_cue_view_make(&s, &at, &f->made.sets[0], &f->leaves, &all);
     double sum = 0.0;
     for (uint32_t i = 0; i < f->leaves.node_count; ++i) {
         const stp_leaf_node* node = &f->leaves.nodes[i];
@@ -128,7 +83,7 @@ static double sum_leaves(const fixture* f, const stp_view* view, const stp_quali
 
 void test_stochastic_views_draw_what_their_leaves_want(test_state* test)
 {
-    static fixture f;
+    static stochastic_scene f;
     static const stp_vec3d eyes[] = {{3, 2, 5}, {-14, 9, 12}, {1, 0.2, 2.6}};
     static const uint32_t cues[] = {STP_CUES_PAPER, STP_CUES_ALL};
     CHECK(set_up(&f));
@@ -154,5 +109,5 @@ void test_stochastic_views_draw_what_their_leaves_want(test_state* test)
             }
         }
     }
-    tear_down(&f);
+    stochastic_scene_close(&f);
 }

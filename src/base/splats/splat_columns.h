@@ -28,6 +28,7 @@ enum {
     /// but look better (docs/notes/2026-11-proportion.md). Limits the splats that a build makes
     /// and a view draws.
     STP_TRIANGLES_PER_SPLAT = 8,
+    STP_POSITION_STEPS = 65535, ///< steps of the grid of positions along the longest side of a set
 };
 
 /// Coverage of prefixes: the coverage radius (non-increasing) at breakpoints `count` (ascending).

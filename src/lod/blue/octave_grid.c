@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GRID_STEPS 65535.0
 // Number of sampled points: enough to know the median within a few percent.
 #define SPACING_SAMPLES 200u
 #define SPACING_BATCH 512u // points at a time
@@ -16,15 +15,15 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
 {
     double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
     assert(!(min_step < 0.0));
-    double extent = min_step * GRID_STEPS;
+    double extent = min_step * STP_POSITION_STEPS;
     for (int axis = 0; axis < 3; ++axis) {
         extent = high[axis] - low[axis] > extent ? high[axis] - low[axis] : extent;
     }
     double size = 1.0;
-    while (size * GRID_STEPS >= 2.0 * extent && size > 0x1p-100) {
+    while (size * STP_POSITION_STEPS >= 2.0 * extent && size > 0x1p-100) {
         size *= 0.5;
     }
-    while (size * GRID_STEPS < extent) {
+    while (size * STP_POSITION_STEPS < extent) {
         size *= 2.0;
     }
     double start[3];
@@ -37,7 +36,7 @@ void stp_choose_position_grid(stp_boxd box, double min_step, stp_vec3* origin, f
                 align *= 2.0;
             }
             start[axis] = floor(low[axis] / align) * align;
-            fits = fits && floor((high[axis] - start[axis]) / size + 0.5) <= GRID_STEPS;
+            fits = fits && floor((high[axis] - start[axis]) / size + 0.5) <= STP_POSITION_STEPS;
         }
     }
     *origin = (stp_vec3){(float)start[0], (float)start[1], (float)start[2]};
