@@ -11,7 +11,7 @@ void model_page_show(viewer* v)
     static const char* const units[MODEL_UNITS + 1] = {
         "As in the file", "m", "mm", "cm", "in", "ft", "us-ft"};
     static const char built[] = "This file is built: up axis and unit are options of build";
-    bool can = viewer_can_correct(v);
+    bool can = v->can_correct;
     int up = 0, unit = 0;
     for (int i = 0; i < MODEL_UPS; ++i) {
         up = v->up == model_up_axes[i] ? i + 1 : up;

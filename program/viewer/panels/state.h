@@ -165,6 +165,7 @@ typedef struct viewer {
     size_t more;          ///< number of further files that were opened with it
     path_list inputs;     ///< all files of the scene
     path_list dropped;    ///< files of a drop that is not yet complete
+    bool can_correct;     ///< up axis and unit: no input is built yet
     char up;              ///< corrections of the inputs (scene_input)
     double unit_metres;
     uint32_t opening;                        ///< serial that the painter is opening
@@ -220,8 +221,6 @@ void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path); ///< a file, or all models of a folder
 /// Opens files and the models of folders as one scene.
 void viewer_open_all(viewer* v, const char* const* paths, size_t count);
-/// Whether up axis and unit of the scene can be corrected: it is not built yet.
-bool viewer_can_correct(const viewer* v);
 /// Shows the same files with another up axis and unit (scene_input).
 void viewer_correct(viewer* v, char up, double unit_metres);
 void viewer_show_message(viewer* v, bool is_error, const char* format, ...)

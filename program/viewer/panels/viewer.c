@@ -57,6 +57,17 @@ static void load(viewer* v)
     viewer_redraw(v);
 }
 
+/// Whether up axis and unit of all inputs can be corrected: none of them is built yet.
+static bool can_correct(const path_list* inputs)
+{
+    for (size_t i = 0; i < inputs->count; ++i) {
+        if (program_is_scene(inputs->paths[i]) || tool_is_store_file(inputs->paths[i])) {
+            return false;
+        }
+    }
+    return inputs->count > 0;
+}
+
 void viewer_open_all(viewer* v, const char* const* paths, size_t count)
 {
     path_list inputs = {0};
@@ -73,6 +84,7 @@ void viewer_open_all(viewer* v, const char* const* paths, size_t count)
     }
     path_list_destroy(&v->inputs);
     v->inputs = inputs;
+    v->can_correct = can_correct(&inputs);
     v->more = count - 1;
     snprintf(v->file, sizeof(v->file), "%s", paths[0]);
     for (size_t end = strlen(v->file); end > 1 && v->file[end - 1] == '/'; --end) {
@@ -88,16 +100,6 @@ void viewer_open_all(viewer* v, const char* const* paths, size_t count)
 void viewer_open(viewer* v, const char* path)
 {
     viewer_open_all(v, &path, 1);
-}
-
-bool viewer_can_correct(const viewer* v)
-{
-    for (size_t i = 0; i < v->inputs.count; ++i) {
-        if (program_is_scene(v->inputs.paths[i]) || tool_is_store_file(v->inputs.paths[i])) {
-            return false;
-        }
-    }
-    return v->inputs.count > 0;
 }
 
 void viewer_correct(viewer* v, char up, double unit_metres)
