@@ -94,7 +94,9 @@ typedef struct stp_paint_report {
     double frame_ms; ///< duration of the last drawing pass; with OpenGL, until commands were sent
     double select_ms, draw_ms, shade_ms;
     float splat_size; ///< pixels, as used
-    uint64_t splats, triangles, covered_pixels;
+    /// Drawn: splats of the wanted level that nothing hides, triangles of clusters in view
+    uint64_t splats, triangles;
+    uint64_t covered_pixels;
     uint32_t samples; ///< per pixel, so far
     uint32_t missing; ///< items drawn coarser than wanted because they are not loaded
     uint32_t coming;  ///< those of them that later pictures will have

@@ -193,6 +193,8 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
                                .splat_size = maker->list.splat_size,
                                .splats = stats->splats,
                                .triangles = stats->triangles,
+                               .listed_splats = stats->listed_splats,
+                               .listed_triangles = stats->listed_triangles,
                                .fragments = stats->fragments,
                                .covered_pixels = stats->covered_pixels,
                                .extra_splats = eyes * maker->list.extra_splats,
@@ -260,9 +262,9 @@ stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_
 stp_frame_cost frame_cost(const frame_figures* figures)
 {
     return (stp_frame_cost){.milliseconds = figures->frame_ms,
-                            .splats = figures->splats,
+                            .splats = figures->listed_splats,
                             .fragments = figures->fragments,
-                            .triangles = figures->triangles,
+                            .triangles = figures->listed_triangles,
                             .covered_pixels = figures->covered_pixels,
                             .draw_calls = (uint32_t)figures->draw_calls,
                             .splat_size = figures->splat_size,
@@ -331,14 +333,15 @@ static json_t* describe_gl(const frame_figures* f)
 
 json_t* frame_describe(const frame_figures* f)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
-                     "splat_size", (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms",
-                     f->select_ms, "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats",
-                     (json_int_t)f->splats, "fragments", (json_int_t)f->fragments, "clusters",
-                     (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "nodes",
-                     (json_int_t)f->nodes, "draw_calls", (json_int_t)f->draw_calls,
-                     "covered_pixels", (json_int_t)f->covered_pixels, "layers",
-                     (json_int_t)f->layers, "gl", describe_gl(f));
+    return json_pack(
+        "{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
+        "splat_size", (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms", f->select_ms,
+        "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats", (json_int_t)f->splats,
+        "fragments", (json_int_t)f->fragments, "clusters", (json_int_t)f->clusters, "triangles",
+        (json_int_t)f->triangles, "listed_splats", (json_int_t)f->listed_splats, "listed_triangles",
+        (json_int_t)f->listed_triangles, "nodes", (json_int_t)f->nodes, "draw_calls",
+        (json_int_t)f->draw_calls, "covered_pixels", (json_int_t)f->covered_pixels, "layers",
+        (json_int_t)f->layers, "gl", describe_gl(f));
 }
 
 /// Name of the renderer's device: the CPU, or the OpenGL device.

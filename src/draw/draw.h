@@ -99,7 +99,11 @@ typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects
     double effect_ms; ///< CPU: part of shade_ms that eye-dome lighting and ambient occlusion took
-    uint64_t splats, triangles, fragments, covered_pixels;
+    /// Drawn: splats of the wanted level that are not hidden, in the picture; triangles of clusters
+    /// in view that are not hidden. Mean of the samples, sum of the eyes
+    uint64_t splats, triangles;
+    uint64_t listed_splats, listed_triangles; ///< of the list: what was looked at
+    uint64_t fragments, covered_pixels;
     uint32_t draw_calls; ///< CPU: items drawn, for all eyes; OpenGL: draw calls of the last sample
     uint32_t samples;    ///< number of samples per pixel
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample

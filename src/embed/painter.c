@@ -122,9 +122,9 @@ static float choose_size(stp_painter* painter, double budget_ms, float minimum)
 static void update_budget(stp_painter* painter, const picture* p)
 {
     stp_frame_cost cost = {.milliseconds = p->frame_ms,
-                           .splats = p->stats.splats,
+                           .splats = p->stats.listed_splats,
                            .fragments = p->stats.fragments,
-                           .triangles = p->stats.triangles,
+                           .triangles = p->stats.listed_triangles,
                            .covered_pixels = p->stats.covered_pixels,
                            .draw_calls = p->stats.draw_calls,
                            .splat_size = painter->list.splat_size,

@@ -170,8 +170,10 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
             box_batch(&batch);
             sort_batch(frame, &batch);
         }
+        uint32_t drawn = 0;
         for (uint32_t i = 0; i < count; ++i) {
             int lane = (int)i;
+            drawn |= (uint32_t)splat_is_drawn(&batch, i) << i;
             if (batch.kind[i] == SPLAT_PIXEL) {
                 fragments += draw_pixel(frame, &batch, lane, first + i);
             } else if (batch.kind[i] == SPLAT_LARGE) {
@@ -181,6 +183,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
                 fragments += draw_disk_scalar(frame, &batch, lane, first + i, box);
             }
         }
+        count_drawn(splats, drawn);
     }
     return fragments;
 }

@@ -55,6 +55,7 @@ typedef struct stp_raster_splats {
     /// for all others of the range.
     uint16_t* hidden;
     const uint16_t* wanted; ///< NULL, or one bit per splat: draw only these
+    uint64_t* drawn;        ///< NULL, or a counter of the splats drawn: wanted, seen, not hidden
     bool squares;           ///< draw squares instead of disks (raster/splats_squares_kernel.h)
 } stp_raster_splats;
 

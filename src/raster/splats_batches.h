@@ -27,7 +27,8 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, spla
             splats->hidden[index / SPLAT_BATCH] |= (uint16_t)bit;
         }
     }
-    for (uint32_t pixels = lanes_of(t, SPLAT_PIXEL); pixels != 0; pixels &= pixels - 1) {
+    uint32_t all = lanes_of(t, SPLAT_PIXEL);
+    for (uint32_t pixels = all; pixels != 0; pixels &= pixels - 1) {
         int i = __builtin_ctz(pixels);
         fragments += draw_pixel(f, t, i, lane_splat(lanes, (uint32_t)i));
     }
@@ -42,20 +43,23 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, spla
         clip_batch(f, t);
         box_batch(t);
         sort_batch(f, t);
-        uint32_t smalls = lanes_of(t, SPLAT_SMALL);
+        uint32_t smalls = lanes_of(t, SPLAT_SMALL), wides = lanes_of(t, SPLAT_WIDE);
+        all |= smalls | wides;
         fetch_small(f, t, smalls);
         for (uint32_t small = smalls; small != 0; small &= small - 1) {
             int i = __builtin_ctz(small);
             fragments += draw_small(f, t, i, lane_splat(lanes, (uint32_t)i));
         }
-        for (uint32_t wide = lanes_of(t, SPLAT_WIDE); wide != 0; wide &= wide - 1) {
+        for (uint32_t wide = wides; wide != 0; wide &= wide - 1) {
             int i = __builtin_ctz(wide);
             fragments += draw_wide(f, t, i, lane_splat(lanes, (uint32_t)i));
         }
     }
-    for (uint32_t large = lanes_of(t, SPLAT_LARGE); large != 0; large &= large - 1) {
+    uint32_t larges = lanes_of(t, SPLAT_LARGE);
+    for (uint32_t large = larges; large != 0; large &= large - 1) {
         fragments += stp_splats_draw_large(f, lane_splat(lanes, (uint32_t)__builtin_ctz(large)));
     }
+    count_drawn(splats, all | larges);
     return fragments;
 }
 

@@ -225,6 +225,22 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
+/// Whether a splat of a classified batch is drawn.
+static inline bool splat_is_drawn(const splat_batch* t, uint32_t i)
+{
+    int32_t kind = t->kind[i];
+    assert(kind != SPLAT_DISK && "classified");
+    return kind != SPLAT_NONE && kind != SPLAT_HIDDEN;
+}
+
+/// Counts the splats drawn of a batch, one bit each.
+static inline void count_drawn(const stp_raster_splats* splats, uint32_t drawn)
+{
+    if (splats->drawn != NULL) {
+        *splats->drawn += (uint64_t)__builtin_popcount(drawn);
+    }
+}
+
 /// Computes the conic of each disk, its slope of nearness, and its box.
 static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {

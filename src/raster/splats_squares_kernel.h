@@ -130,7 +130,7 @@ static inline uint64_t draw_square_batch(const stp_splat_frame* f, splat_batch* 
                                          uint32_t count)
 {
     uint64_t fragments = 0;
-    uint32_t hidden = 0;
+    uint32_t hidden = 0, drawn = 0;
     splat_lanes lanes = {first, count, NULL};
     load_shapes(f, lanes, t);
     load_parts(f, lanes, t);
@@ -144,7 +144,9 @@ static inline uint64_t draw_square_batch(const stp_splat_frame* f, splat_batch* 
             fragments += draw_square(f, t, (int)i, first + i);
         }
         hidden |= (uint32_t)(t->kind[i] == SPLAT_HIDDEN) << i;
+        drawn |= (uint32_t)splat_is_drawn(t, i) << i;
     }
+    count_drawn(f->splats, drawn);
     if (f->splats->hidden != NULL) {
         f->splats->hidden[first / SPLAT_BATCH] = (uint16_t)hidden;
     }

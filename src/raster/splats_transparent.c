@@ -85,24 +85,28 @@ static uint64_t draw_transparent_squares(const stp_splat_frame* f, splat_batch* 
                                          uint32_t count)
 {
     uint64_t fragments = 0;
+    uint32_t drawn = 0;
     splat_lanes lanes = {first, count, NULL};
     load_shapes(f, lanes, t);
     project_batch(f, t);
     pick_batch(f, t, lanes);
     place_squares(f, t, lanes);
     for (uint32_t i = 0; i < count; ++i) {
+        drawn |= (uint32_t)splat_is_drawn(t, i) << i;
         if (t->kind[i] == SPLAT_PIXEL) {
             fragments += stp_transparent_store(f, first + i, t->cx[i], t->cy[i], t->nearness[i]);
         } else if (t->kind[i] == SPLAT_WIDE) {
             fragments += draw_transparent_square(f, t, (int)i, first + i);
         }
     }
+    count_drawn(f->splats, drawn);
     return fragments;
 }
 
 static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first, uint32_t count)
 {
     uint64_t fragments = 0;
+    uint32_t drawn = 0;
     bool disks = false;
     splat_lanes lanes = {first, count, NULL};
     load_shapes(f, lanes, t);
@@ -119,6 +123,7 @@ static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t fi
         sort_batch(f, t);
     }
     for (uint32_t i = 0; i < count; ++i) {
+        drawn |= (uint32_t)splat_is_drawn(t, i) << i;
         if (t->kind[i] == SPLAT_PIXEL) {
             fragments += stp_transparent_store(f, first + i, t->cx[i], t->cy[i], t->nearness[i]);
         } else if (t->kind[i] == SPLAT_LARGE) {
@@ -127,6 +132,7 @@ static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t fi
             fragments += draw_disk(f, t, (int)i, first + i);
         }
     }
+    count_drawn(f->splats, drawn);
     return fragments;
 }
 

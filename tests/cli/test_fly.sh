@@ -62,7 +62,8 @@ def load(name):
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
         assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
-            clusters triangles nodes draw_calls covered_pixels layers gl""".split()), frame
+            clusters triangles listed_splats listed_triangles nodes draw_calls covered_pixels layers gl""".split()), frame
+        assert frame["splats"] <= frame["listed_splats"] and frame["triangles"] <= frame["listed_triangles"], frame
         assert frame["gl"] is None and sorted(f["first_frame"]) == sorted(set(frame) - {"t", "extra_splats"}), frame
         assert 0 < frame["select_ms"] + frame["draw_ms"] + frame["shade_ms"] <= frame["frame_ms"] + 1e-6, frame
     for key in "frame_ms", "splats", "triangles", "splat_size":

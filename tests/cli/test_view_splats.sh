@@ -47,7 +47,7 @@ for part in 0.2 0.7 0.5; do
     keep
     # shellcheck disable=SC2046
     xdotool mousemove $(place slider $part 0.5)
-    wait_until 'r["splats"]["count"] != k["splats"]["count"] and picture["splats"] == r["splats"]["count"]'
+    wait_until 'r["splats"]["count"] != k["splats"]["count"] and picture["listed_splats"] == r["splats"]["count"]'
 done
 xdotool mouseup 1
 drawn 'r["splats"]["count"]'
@@ -76,7 +76,7 @@ keep
 xdotool keydown s # away: all stays in the picture, however long that is
 for more in 2 5 9; do
     wait_until "picture['frames'] >= k['picture']['frames'] + $more"
-    check "a camera that moves" 'picture["splats"] == 1231 and r["splats"]["count"] == 1231'
+    check "a camera that moves" 'picture["listed_splats"] == 1231 and r["splats"]["count"] == 1231'
 done
 xdotool keyup s
 drawn 1231
@@ -89,7 +89,7 @@ wait_until 'r["rests"] and picture["complete"] and camera["reach"] > 1.8 * k["ca
 xdotool mousemove 400 300
 keep
 xdotool key c
-wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["splats"] > 1231'
+wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["listed_splats"] > 1231'
 xdotool key c
 drawn 'min(r["splats"]["all"], k["splats"]["all"])'
 # other methods: at most the number for spt, exactly the number for psp
@@ -97,10 +97,10 @@ xdotool key Next Next Next
 drawn 'r["splats"]["all"] // 8'
 xdotool key n
 wait_until 'r["method"] == "spt" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
-check "splats of spt" '0 < picture["splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
+check "splats of spt" '0 < picture["listed_splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
 xdotool key n
 wait_until 'r["method"] == "psp" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
-check "splats of psp" 'picture["splats"] == r["splats"]["count"] and picture["triangles"] == 0'
+check "splats of psp" 'picture["listed_splats"] == r["splats"]["count"] and picture["triangles"] == 0'
 xdotool key n
 wait_until 'r["method"] == "blue" and r["rests"] and picture["complete"]'
 shot by_cpu.png
@@ -108,7 +108,7 @@ xdotool key b
 wait_until '(r["backend"] == "gl" or "not available" in r["message"]) and r["rests"] and picture["complete"]'
 shot by_gl.png
 same by_cpu.png by_gl.png 0.97
-check "so many by OpenGL, too" 'picture["splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'
+check "so many by OpenGL, too" 'picture["listed_splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'
 keep
 close_viewer
 # the number is kept; an explicit budget applies

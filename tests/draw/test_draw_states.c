@@ -128,12 +128,11 @@ static uint32_t mark_both(uint64_t wanted, uint32_t prefix, bool marks[ALL])
     return sum;
 }
 
-/// Compares the dots of a picture with the marked ones; if `half`, only right of the middle.
-/// @return wrong dots
-static int compare(const uint8_t* pixels, const bool marks[ALL], bool half)
+/// The dots of a picture. @return their number
+static uint32_t find_seen(const uint8_t* pixels, bool seen[ALL])
 {
-    bool seen[ALL] = {false};
-    int wrong = 0;
+    uint32_t count = 0;
+    memset(seen, 0, ALL * sizeof(*seen));
     for (int i = 0; i < PIXELS; ++i) {
         const uint8_t* p = pixels + 4 * i;
         if (p[3] != 0) {
@@ -141,6 +140,19 @@ static int compare(const uint8_t* pixels, const bool marks[ALL], bool half)
             seen[(p[2] > 180 ? 0u : MOST) + at % MOST] = true;
         }
     }
+    for (int i = 0; i < ALL; ++i) {
+        count += seen[i];
+    }
+    return count;
+}
+
+/// Compares the dots of a picture with the marked ones; if `half`, only right of the middle.
+/// @return wrong dots
+static int compare(const uint8_t* pixels, const bool marks[ALL], bool half)
+{
+    bool seen[ALL];
+    int wrong = 0;
+    (void)find_seen(pixels, seen);
     for (int i = 0; i < ALL; ++i) {
         bool cut = half && i % COLUMNS < COLUMNS / 2;
         wrong += seen[i] != (marks[i] && !cut) ? 1 : 0;
@@ -173,8 +185,28 @@ static void check_count(test_state* test, made_gl* m, bool gl, uint64_t wanted)
     CHECK_EQUAL(STP_OK, gl ? made_gl_draw(m) : made_picture_draw(p));
     uint32_t expected = mark_both(wanted, MOST, marks);
     CHECK_EQUAL(wanted < STATE_MAX ? wanted : STATE_MAX, expected);
-    CHECK_EQUAL(expected, p->stats.splats);
+    CHECK_EQUAL(expected, p->stats.listed_splats);
+    CHECK(half ? p->stats.splats <= expected : p->stats.splats == expected);
     CHECK_EQUAL(0, compare(gl ? m->pixels : p->pixels, marks, half));
+}
+
+/// Draws with several splat sizes; compares the reported counts with the dots seen.
+static void check_drawn(test_state* test, made_gl* m, bool gl)
+{
+    made_picture* p = &m->picture;
+    bool seen[ALL], fewer = false;
+    p->quality.splat_count = 0;
+    p->quality.splats_only = true;
+    for (float size = 1.0f; size < 100.0f; size *= 1.5f) {
+        p->quality.splat_size = size;
+        CHECK_EQUAL(STP_OK, gl ? made_gl_draw(m) : made_picture_draw(p));
+        CHECK_EQUAL(find_seen(gl ? m->pixels : p->pixels, seen), p->stats.splats);
+        CHECK(p->stats.splats <= p->stats.listed_splats);
+        fewer = fewer || p->stats.splats < p->stats.listed_splats;
+    }
+    CHECK(fewer);
+    p->quality.splat_size = 1.0f;
+    p->quality.splats_only = false;
 }
 
 // All counts in turn, then random ones: refines and coarsens.
@@ -190,6 +222,7 @@ void test_states_are_drawn_splat_by_splat(test_state* test)
     for (uint64_t n = UINT64_MAX; n > 0; n /= 3) {
         check_count(test, &m, false, n);
     }
+    check_drawn(test, &m, false);
     // a section that keeps one half
     m.picture.view.sections = (stp_sections){.count = 1, .planes = {{{-1, 0, 0}, 0}}};
     for (uint64_t n = 5; n < STATE_MAX; n += 13) {
@@ -281,6 +314,7 @@ void test_gl_states_are_drawn_splat_by_splat(test_state* test)
         for (uint64_t n = 1; n < STATE_MAX + 4; n += 3) {
             check_count(test, &m, true, n);
         }
+        check_drawn(test, &m, true);
     }
     m.picture.view.sections = (stp_sections){.count = 1, .planes = {{{-1, 0, 0}, 0}}};
     check_count(test, &m, true, 41);

@@ -151,9 +151,9 @@ static void update_budget(painter* p, const paint_request* request, const paint_
     }
     if (request->budget_ms > 0.0 && f != NULL) {
         stp_frame_cost cost = {.milliseconds = f->work_ms,
-                               .splats = f->splats,
+                               .splats = f->listed_splats,
                                .fragments = f->fragments,
-                               .triangles = f->triangles,
+                               .triangles = f->listed_triangles,
                                .covered_pixels = f->covered_pixels,
                                .draw_calls = (uint32_t)f->draw_calls,
                                .splat_size = f->splat_size,
@@ -187,6 +187,7 @@ static void measure_gl(painter* p, paint_figures* figures)
     stp_draw_gl_finish_stats(p->scene->renderers[1], &stats);
     figures->draw_ms = stats.draw_ms;
     figures->shade_ms = stats.shade_ms;
+    figures->splats = stats.splats;
     figures->fragments = stats.fragments;
     figures->covered_pixels = stats.covered_pixels;
     figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);

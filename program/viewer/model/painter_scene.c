@@ -177,6 +177,8 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
                                .splat_size = s->list.splat_size,
                                .splats = stats.splats,
                                .triangles = stats.triangles,
+                               .listed_splats = stats.listed_splats,
+                               .listed_triangles = stats.listed_triangles,
                                .fragments = stats.fragments,
                                .covered_pixels = stats.covered_pixels,
                                .draw_calls = stats.draw_calls,

@@ -35,13 +35,14 @@ static json_t* describe_picture(const viewer* v)
     if (p == NULL || v->scene == NULL || p->scene != v->scene->serial) {
         return json_null();
     }
-    return json_pack("{s:[f, f, f, f], s:i, s:i, s:b, s:i, s:I, s:I, s:f, s:f, s:f, s:I}", "area",
-                     (double)a.x, (double)a.y, (double)a.width, (double)a.height, "width",
-                     (int)p->image.width, "height", (int)p->image.height, "complete",
-                     (int)p->complete, "samples", (int)p->figures.samples, "splats",
-                     (json_int_t)p->figures.splats, "triangles", (json_int_t)p->figures.triangles,
-                     "splat_size", (double)p->figures.splat_size, "frame_ms", p->figures.frame_ms,
-                     "latency_ms", p->figures.latency_ms, "frames", (json_int_t)p->frame);
+    return json_pack(
+        "{s:[f, f, f, f], s:i, s:i, s:b, s:i, s:I, s:I, s:I, s:f, s:f, s:f, s:I}", "area",
+        (double)a.x, (double)a.y, (double)a.width, (double)a.height, "width", (int)p->image.width,
+        "height", (int)p->image.height, "complete", (int)p->complete, "samples",
+        (int)p->figures.samples, "splats", (json_int_t)p->figures.splats, "listed_splats",
+        (json_int_t)p->figures.listed_splats, "triangles", (json_int_t)p->figures.triangles,
+        "splat_size", (double)p->figures.splat_size, "frame_ms", p->figures.frame_ms, "latency_ms",
+        p->figures.latency_ms, "frames", (json_int_t)p->frame);
 }
 
 static json_t* describe_tools(const viewer* v)

@@ -32,13 +32,13 @@ uint32_t splats_count(const viewer* v)
     return all > 0 && count > 0 ? splat_count_within(count, all) : 0;
 }
 
-/// The number of splats drawn at the moment.
-static uint32_t drawn_splats(const viewer* v)
+/// The number of splats listed at the moment.
+static uint32_t listed_splats(const viewer* v)
 {
     uint32_t all = splats_all(v);
     assert(all > 0 && "callers offer a number only then");
     bool drawn = v->picture != NULL && v->picture->scene == v->scene->serial;
-    return splat_count_within(drawn ? v->picture->figures.splats : all, all);
+    return splat_count_within(drawn ? v->picture->figures.listed_splats : all, all);
 }
 
 void splats_switch(viewer* v)
@@ -46,7 +46,7 @@ void splats_switch(viewer* v)
     if (v->settings.drawing.quality.splat_count > 0) {
         v->settings.drawing.quality.splat_count = 0;
     } else if (splats_all(v) > 0) {
-        v->settings.drawing.quality.splat_count = drawn_splats(v);
+        v->settings.drawing.quality.splat_count = listed_splats(v);
     } else {
         viewer_show_message(v, false, "There are no splats to draw by number");
     }
@@ -63,7 +63,7 @@ bool splats_take_key(viewer* v, SDL_Keycode key, bool fine)
         viewer_show_message(v, false, "There are no splats to draw by number");
     } else {
         v->settings.drawing.quality.splat_count =
-            splat_count_step(count > 0 ? count : drawn_splats(v), all, up, fine);
+            splat_count_step(count > 0 ? count : listed_splats(v), all, up, fine);
     }
     return true;
 }

@@ -9,6 +9,7 @@ enum { BATCH_CLUSTERS = 8 };
 /// A batch of consecutive decoded clusters.
 typedef struct batch {
     uint32_t vertex_count, triangle_count, cluster_count, first_triangle;
+    uint32_t kept; ///< triangles drawn: their share keeps them
     float positions[3 * BATCH_CLUSTERS * STP_CLUSTER_VERTICES];
     uint32_t indices[3 * BATCH_CLUSTERS * STP_CLUSTER_TRIANGLES];
 } batch;
@@ -22,6 +23,7 @@ static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, cons
     if (b->triangle_count == 0) {
         return true;
     }
+    stp_cpu_count_triangles(r, item, b->kept, worker);
     const stp_raster_layer layer = stp_cpu_make_layer(r, worker);
     stp_raster_mesh mesh = {.positions = b->positions,
                             .vertex_count = b->vertex_count,
@@ -46,13 +48,16 @@ stp_bounding stp_cpu_bound(const stp_cpu_renderer* r, const stp_cpu_item* item)
                              r->width, r->height);
 }
 
-void stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share)
+uint32_t stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share)
 {
-    for (uint32_t i = 0; i < count; ++i) {
+    uint32_t kept = count;
+    for (uint32_t i = 0; share < 1.0f && i < count; ++i) {
         if (!stp_draw_keeps(first + i, share)) {
             indices[3 * i + 1] = indices[3 * i + 2] = indices[3 * i];
+            kept -= 1;
         }
     }
+    return kept;
 }
 
 /// Leaves out a cluster that does not continue the ids of the batch: the file was overwritten.
@@ -69,9 +74,8 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, b
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
     uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;
     stp_cluster_indices(&cluster, b->vertex_count, indices);
-    if (share < 1.0f) {
+    b->kept +=
         stp_cpu_drop_triangles(indices, cluster.first_triangle, cluster.triangle_count, share);
-    }
     b->vertex_count += cluster.vertex_count;
     b->triangle_count += cluster.triangle_count;
     b->cluster_count += 1;
@@ -106,7 +110,7 @@ bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
     stp_bounding bounding = stp_cpu_bound(r, item);
     bool enough = b != NULL;
     for (uint32_t i = range->begin; enough && i < range->end;) {
-        b->vertex_count = b->triangle_count = b->cluster_count = 0;
+        b->vertex_count = b->triangle_count = b->cluster_count = b->kept = 0;
         keep.section_mask = 0;
         while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);

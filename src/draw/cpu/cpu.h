@@ -104,6 +104,7 @@ typedef struct stp_cpu_worker {
     stp_cpu_shade_memory* shading; ///< cache of recently shaded surfaces
     stp_arena scratch;
     uint64_t fragments, covered;
+    uint64_t splats, triangles; ///< drawn
     uint64_t layer_found;  ///< fragments of the current task between the layer's bounds
     uint64_t layer_pixels; ///< shaded pixels of the current layer
     bool drew, failed;
@@ -409,6 +410,20 @@ static inline uint64_t stp_cpu_nearest_of_workers(const stp_cpu_renderer* r, siz
     return pixel;
 }
 
+/// Whether the present pass counts what it draws of an item: surfaces that several passes draw
+/// count once.
+static inline bool stp_cpu_is_counted(const stp_cpu_renderer* r, const stp_cpu_item* item)
+{
+    bool first = item->kind != STP_DRAW_MESH || item->glass == STP_TRANSPARENT_EVERYWHERE;
+    return r->layers.stage != CPU_LAYERS_PEEL || (r->layers.count == 0 && first);
+}
+
+static inline void stp_cpu_count_triangles(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                                           uint32_t count, stp_cpu_worker* worker)
+{
+    worker->triangles += stp_cpu_is_counted(r, item) ? count : 0;
+}
+
 bool stp_cpu_item_needs_keep(const stp_cpu_item* item);
 /// Share of a ghost's pixels that is drawn.
 static inline float stp_cpu_ghost_share(const stp_cpu_renderer* r)
@@ -429,8 +444,8 @@ void stp_cpu_mesh_color(const stp_cpu_item* item, const stp_cpu_triangle* triang
 /// Visible part of an item's space.
 stp_bounding stp_cpu_bound(const stp_cpu_renderer* r, const stp_cpu_item* item);
 /// Makes triangles outside the drawn share of a mesh degenerate: `first` is the index of the first
-/// one in the mesh.
-void stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
+/// one in the mesh. @return how many are left
+uint32_t stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
 
 /// Clusters of an item, at most 32.
 typedef struct stp_cpu_cluster_range {

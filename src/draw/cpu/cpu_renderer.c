@@ -155,6 +155,7 @@ static stp_result begin_frame(stp_cpu_renderer* r, const stp_view* view, const s
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].fragments = r->workers[i].covered = 0;
+        r->workers[i].splats = r->workers[i].triangles = 0;
         r->workers[i].failed = false;
     }
     return result;
@@ -189,15 +190,20 @@ static stp_result draw_part(stp_cpu_renderer* r, const stp_view* view, const stp
     if (result == STP_ERROR_CANCELLED) {
         r->accumulation.frames = 0; // sums may be incomplete
     }
-    stats->splats = r->eye_count * list->splat_count;
-    stats->triangles = r->eye_count * (list->triangle_count + r->large_count);
+    stats->listed_splats = r->eye_count * list->splat_count;
+    stats->listed_triangles = r->eye_count * (list->triangle_count + r->large_count);
     stats->draw_calls = r->eye_count * (uint32_t)list->count;
     stats->samples = summed ? all : r->accumulation.frames;
     stats->layers = r->layers.stage != CPU_LAYERS_NONE ? r->layers.count : 0;
+    uint32_t pictures = end > first ? end - first : 1;
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        stats->fragments += r->workers[i].fragments / (end > first ? end - first : 1);
+        stats->fragments += r->workers[i].fragments / pictures;
+        stats->splats += r->workers[i].splats;
+        stats->triangles += r->workers[i].triangles;
         stats->covered_pixels += r->workers[i].covered;
     }
+    stats->splats /= pictures;
+    stats->triangles /= pictures;
     r->image = NULL;
     r->style = NULL;
     return result;

@@ -64,6 +64,7 @@ static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batc
                                   .numbers = b->numbers,
                                   .offset = {item->offset[0], item->offset[1], item->offset[2]},
                                   .fragments = &worker->fragments};
+    stp_cpu_count_triangles(r, item, b->count, worker);
     b->count = 0;
     return stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                 item->camera.nearness_limit, &mesh, item->first_id,

@@ -50,6 +50,7 @@ static bool draw_some(const stp_cpu_renderer* r, const stp_cpu_item* item, const
                                   .offset = {item->offset[0], item->offset[1], item->offset[2]},
                                   .facing = facing,
                                   .fragments = &worker->fragments};
+    stp_cpu_count_triangles(r, item, count, worker);
     return count == 0 || stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                               item->camera.nearness_limit, &mesh, item->first_id,
                                               &worker->scratch) == STP_OK;

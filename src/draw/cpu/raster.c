@@ -227,7 +227,8 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
                                 .radius = item->radius,
                                 .seed = stp_cpu_sample_seed(r, item),
                                 .squares = r->style->splat_shape == STP_SPLAT_SQUARE &&
-                                           !stp_cpu_has_filter(r->style)};
+                                           !stp_cpu_has_filter(r->style),
+                                .drawn = stp_cpu_is_counted(r, item) ? &worker->splats : NULL};
     if (item->kind == STP_DRAW_SPLATS) {
         splats.positions = item->splats.positions;
         splats.normals = item->splats.normals;
@@ -315,9 +316,8 @@ static void draw_triangles(stp_cpu_renderer* r, const stp_cpu_item* item, uint32
     for (size_t i = 0; i < corners; ++i) {
         kept[i] = stp_store_mesh_corner(&item->mesh, 3 * (size_t)begin + i);
     }
-    if (share < 1.0f) {
-        stp_cpu_drop_triangles(kept, begin, end - begin, share);
-    }
+    uint32_t left = stp_cpu_drop_triangles(kept, begin, end - begin, share);
+    stp_cpu_count_triangles(r, item, left, worker);
     mesh.indices = kept;
     stp_result result = stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                              item->camera.nearness_limit, &mesh,

@@ -57,7 +57,7 @@ static cluster_kinds choose_kinds(const stp_gl_renderer* r, const item_block* it
     return kinds;
 }
 
-/// @return the record; NULL if out of memory
+/// Adds a cluster of `triangles`, of which a share is drawn. @return the record; NULL if out of memory
 static record_block* add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds,
                                  uint32_t cluster, uint32_t triangles, float share)
 {
@@ -71,6 +71,11 @@ static record_block* add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kin
                   (!kinds.again ||
                    stp_gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
     return enough ? record : NULL;
+}
+
+static void count_drawn(stp_gl_renderer* r, uint32_t triangles, float share)
+{
+    r->frame.drawn_triangles += (uint64_t)((double)triangles * (double)share + 0.5);
 }
 
 /// Adds a mesh of columns, without culling: all its clusters have the same share.
@@ -91,6 +96,7 @@ static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh
         if (add_cluster(r, index, kind, i, count, share) == NULL) {
             return stp_fail_memory(r->base.context);
         }
+        count_drawn(r, count, share);
     }
     return STP_OK;
 }
@@ -150,6 +156,7 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
             return stp_fail_memory(r->base.context);
         }
         record->first = of_level != NULL ? of_level[i].one_sided : 0;
+        count_drawn(r, triangles, shares[i]);
     }
     return STP_OK;
 }
@@ -178,6 +185,7 @@ static stp_result mark_clusters(stp_gl_renderer* r, const stp_draw_item* draw,
         marks[cluster / 32] |= 1u << cluster % 32;
     }
     f->large_count += count;
+    f->drawn_triangles += count;
     return STP_OK;
 }
 

@@ -249,10 +249,14 @@ stp_result stp_gl_filter_pass_draw_tolerant(stp_gl_renderer* r)
         gl->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE); // the shader has no outputs
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
         stp_gl_splat_pass_begin(r);
+        stp_gl_timer_begin_count(gl, &r->timer, GL_COUNTED_POINTS);
         result = stp_gl_splat_pass_points(r, &source, textured ? pass->textured : pass->tolerant);
+        stp_gl_timer_end_count(gl, &r->timer);
         stp_gl_set_visible_state(r);
         if (result == STP_OK) {
+            stp_gl_timer_begin_count(gl, &r->timer, GL_COUNTED_LARGE);
             stp_gl_splat_pass_large(r, r->splats.large);
+            stp_gl_timer_end_count(gl, &r->timer);
             merge_tolerant(r);
         }
         stp_gl_bind_frame(r);

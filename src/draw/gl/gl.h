@@ -55,6 +55,7 @@
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                 \
     X(PFNGLFENCESYNCPROC, FenceSync)                                                               \
+    X(PFNGLGENQUERIESPROC, GenQueries)                                                             \
     X(PFNGLGETERRORPROC, GetError)                                                                 \
     X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
     X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                     \

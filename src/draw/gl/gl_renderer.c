@@ -141,6 +141,9 @@ static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
     double parts = (double)r->counted_samples * r->target.eye_count;
     stats->covered_pixels = done ? stp_gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
+    uint64_t computed = done ? stp_gl_shade_pass_read(r, GL_COUNTER_SPLATS) : 0;
+    stats->splats = r->target.eye_count * r->timer.drawn_splats +
+                    computed / (r->counted_samples > 0 ? r->counted_samples : 1);
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
 }
@@ -158,8 +161,9 @@ static void count_picture(stp_gl_renderer* r, uint32_t samples, double cpu_ms, b
     r->counted_samples = samples;
     stats->draw_ms = cpu_ms;
     read_times(r, done, stats);
-    stats->splats = eyes * r->list->splat_count;
-    stats->triangles = eyes * (r->list->triangle_count + r->frame.large_count);
+    stats->triangles = eyes * r->frame.drawn_triangles;
+    stats->listed_splats = eyes * r->list->splat_count;
+    stats->listed_triangles = eyes * (r->list->triangle_count + r->frame.large_count);
     stats->draw_calls = r->draw_calls;
     stats->layers = r->layer_pass.active ? r->layer_pass.count : 0;
     stats->samples = samples;

@@ -64,10 +64,12 @@ typedef struct stp_gl_commands {
     GLintptr offset, count_offset;
 } stp_gl_commands;
 
-/// Counters of the shaders: pixels of the picture, and of transparent layers.
+/// Counters of the shaders: pixels of the picture and of transparent layers, and splats that the
+/// compute rasteriser drew.
 typedef enum stp_gl_counter {
     GL_COUNTER_COVERED,
     GL_COUNTER_LAYERS,
+    GL_COUNTER_SPLATS,
     GL_COUNTERS = 4
 } stp_gl_counter;
 
@@ -117,6 +119,7 @@ typedef struct stp_gl_frame {
     uint32_t coming;        ///< uploads postponed to later frames
     bool beside;            ///< large triangles of the previous set are drawn
     uint64_t large_count;
+    uint64_t drawn_triangles; ///< of clusters in view, and large ones
     stp_gl_cluster_shares shares;
     uint32_t* marks; ///< one bit per cluster of a mesh: it contains large triangles of the item
     size_t mark_capacity;

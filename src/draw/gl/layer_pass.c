@@ -179,7 +179,13 @@ static stp_result draw_layer(stp_gl_renderer* r, int number)
         gl->Enable(GL_PROGRAM_POINT_SIZE);
         gl->BindVertexArray(r->splats.vertex_array);
         gl->UseProgram(pass->points);
+        if (pass->count == 0) {
+            stp_gl_timer_begin_count(gl, &r->timer, GL_COUNTED_GLASS);
+        }
         result = stp_gl_portion_draw(r, GL_POINTS, splats, splats->offset, splats->count_offset);
+        if (pass->count == 0) {
+            stp_gl_timer_end_count(gl, &r->timer);
+        }
         gl->Disable(GL_PROGRAM_POINT_SIZE);
         stp_gl_splat_pass_large(r, pass->large);
     }

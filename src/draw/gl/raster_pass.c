@@ -86,6 +86,7 @@ static void bind(const stp_gl_renderer* r, const stp_gl_splat_source* source)
     const stp_gl* gl = &r->gl;
     GLsizeiptr count = source->count;
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, r->raster.pixels);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_COMMANDS, source->buffer,
                         source->offset, count * (GLsizeiptr)sizeof(struct stp_gl_command));
     gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_GROUPS, source->buffer,

@@ -230,6 +230,7 @@ stp_result stp_gl_splat_choice_measure(stp_gl_renderer* r)
     }
     gl->DeleteQueries(2, queries);
     gl->DeleteBuffers(1, &splats.buffer);
+    stp_gl_shade_pass_clear(r); // drew no splats of the picture
     c->measured = result == STP_OK;
     c->pixels = (uint64_t)r->target.width * r->target.height;
     r->draw_calls = draw_calls;
@@ -293,7 +294,6 @@ stp_result stp_gl_splat_choice_draw(stp_gl_renderer* r, bool late)
     if (c->source.count == 0) {
         return STP_OK;
     }
-    stp_result result = STP_OK;
     if (!late) {
         float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
         c->used = stp_gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
@@ -301,7 +301,14 @@ stp_result stp_gl_splat_choice_draw(stp_gl_renderer* r, bool late)
     }
     // the second pass is small, and an undrawn point costs less than a group that draws nothing
     stp_gl_splats way = late ? STP_GL_SPLATS_POINTS : c->used;
-    result = result == STP_OK ? draw_path(r, way, &c->source) : result;
+    if (way == STP_GL_SPLATS_POINTS) { // the compute rasteriser counts its splats
+        stp_gl_timer_begin_count(&r->gl, &r->timer,
+                                 late ? GL_COUNTED_LATE_POINTS : GL_COUNTED_POINTS);
+    }
+    stp_result result = draw_path(r, way, &c->source);
+    if (way == STP_GL_SPLATS_POINTS) {
+        stp_gl_timer_end_count(&r->gl, &r->timer);
+    }
     stp_gl_bind_frame(r);
     return result;
 }
@@ -309,7 +316,9 @@ stp_result stp_gl_splat_choice_draw(stp_gl_renderer* r, bool late)
 void stp_gl_splat_choice_draw_large(stp_gl_renderer* r)
 {
     if (r->splat_choice.source.count > 0) {
+        stp_gl_timer_begin_count(&r->gl, &r->timer, GL_COUNTED_LARGE);
         stp_gl_splat_pass_large(r, r->splats.large);
+        stp_gl_timer_end_count(&r->gl, &r->timer);
         stp_gl_bind_frame(r);
     }
 }

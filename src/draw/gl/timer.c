@@ -10,12 +10,17 @@ void stp_gl_timer_create(const stp_gl* gl, stp_gl_timer* timer)
         gl->CreateQueries(GL_TIMESTAMP, GL_TIMER_POINTS, timer->queries[i]);
     }
     gl->CreateQueries(GL_SAMPLES_PASSED, TIMER_FRAMES, timer->samples);
+    timer->counts = stp_gl_has(gl, "GL_ARB_pipeline_statistics_query");
+    for (int i = 0; i < TIMER_FRAMES && timer->counts; ++i) {
+        gl->GenQueries(GL_COUNTED_DRAWS, timer->splats[i]); // Mesa refuses to create them
+    }
 }
 
 void stp_gl_timer_destroy(const stp_gl* gl, stp_gl_timer* timer)
 {
     gl->DeleteQueries(TIMER_FRAMES * GL_TIMER_POINTS, timer->queries[0]);
     gl->DeleteQueries(TIMER_FRAMES, timer->samples);
+    gl->DeleteQueries(TIMER_FRAMES * GL_COUNTED_DRAWS, timer->splats[0]);
     *timer = (stp_gl_timer){0};
 }
 
@@ -32,7 +37,25 @@ bool stp_gl_timer_begin(const stp_gl* gl, stp_gl_timer* timer)
     }
     gl->QueryCounter(timer->queries[now_at(timer)][GL_TIMER_BEGIN], GL_TIMESTAMP);
     gl->BeginQuery(GL_SAMPLES_PASSED, timer->samples[now_at(timer)]);
+    timer->counted[now_at(timer)] = 0;
+    timer->active = true;
     return true;
+}
+
+void stp_gl_timer_begin_count(const stp_gl* gl, stp_gl_timer* timer, stp_gl_counted draw)
+{
+    if (timer->active && timer->counts) {
+        assert((timer->counted[now_at(timer)] >> draw & 1u) == 0 && "once a frame");
+        timer->counted[now_at(timer)] |= 1u << draw;
+        gl->BeginQuery(GL_CLIPPING_OUTPUT_PRIMITIVES_ARB, timer->splats[now_at(timer)][draw]);
+    }
+}
+
+void stp_gl_timer_end_count(const stp_gl* gl, const stp_gl_timer* timer)
+{
+    if (timer->active && timer->counts) {
+        gl->EndQuery(GL_CLIPPING_OUTPUT_PRIMITIVES_ARB);
+    }
 }
 
 void stp_gl_timer_mark(const stp_gl* gl, const stp_gl_timer* timer, stp_gl_timer_point point)
@@ -48,6 +71,20 @@ void stp_gl_timer_end(const stp_gl* gl, stp_gl_timer* timer)
 {
     stp_gl_timer_mark(gl, timer, GL_TIMER_SHADED);
     timer->count += 1;
+    timer->active = false;
+}
+
+static uint64_t read_splats(const stp_gl* gl, const stp_gl_timer* timer)
+{
+    uint64_t splats = 0;
+    for (int i = 0; i < GL_COUNTED_DRAWS; ++i) {
+        GLuint64 drawn = 0;
+        if ((timer->counted[timer->first] >> i & 1u) != 0) {
+            gl->GetQueryObjectui64v(timer->splats[timer->first][i], GL_QUERY_RESULT, &drawn);
+        }
+        splats += i == GL_COUNTED_LARGE ? drawn / 2 : drawn;
+    }
+    return splats;
 }
 
 void stp_gl_timer_read(const stp_gl* gl, stp_gl_timer* timer, bool wait)
@@ -66,6 +103,7 @@ void stp_gl_timer_read(const stp_gl* gl, stp_gl_timer* timer, bool wait)
         timer->draw_ms = (double)(at[GL_TIMER_DRAWN] - at[GL_TIMER_BEGIN]) * 1e-6;
         timer->shade_ms = (double)(at[GL_TIMER_SHADED] - at[GL_TIMER_DRAWN]) * 1e-6;
         timer->fragments = fragments;
+        timer->drawn_splats = read_splats(gl, timer);
         timer->known = true;
         timer->first = (timer->first + 1) % TIMER_FRAMES;
         timer->count -= 1;

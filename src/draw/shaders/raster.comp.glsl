@@ -12,12 +12,15 @@ layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uve
 // First group of each command.
 layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
 
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered, layered, drawn_splats; };
+
 layout(location = 0) uniform uint command_count;
 layout(location = 1) uniform uint stage; // 0: nearness, 1: ids
 
 shared uint group_command;
 shared uint crowd_count;             // splats that all threads draw together
 shared uint crowd[RASTER_GROUP];
+shared uint drawn_count;             // splats of the group that are drawn
 
 void store(ivec2 pixel, float nearness, uint id)
 {
@@ -71,12 +74,13 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
     if (shape == SHAPE_NONE) {
         return false;
     }
-    if (shape == SHAPE_LARGE) {
+    if (shape == SHAPE_LARGE) { // counted where it is drawn
         if (stage == 0u) {
             leave(number, local);
         }
         return false;
     }
+    atomicAdd(drawn_count, 1u);
     uvec3 hashed = splat_hash(record, item, local, splat, splat.halvings, shape == SHAPE_PIXEL);
     if (shape == SHAPE_PIXEL) {
         draw_pixel(s, hashed, ivec2(floor(s.center.xy)));
@@ -117,6 +121,7 @@ void main()
     if (gl_LocalInvocationIndex == 0u) {
         group_command = find_command(group);
         crowd_count = 0u;
+        drawn_count = 0u;
     }
     barrier();
     uvec4 command = commands[group_command];
@@ -128,6 +133,9 @@ void main()
         crowd[atomicAdd(crowd_count, 1u)] = local;
     }
     barrier();
+    if (gl_LocalInvocationIndex == 0u && stage == 0u && drawn_count > 0u) {
+        atomicAdd(drawn_splats, drawn_count);
+    }
     for (uint i = 0u; i < crowd_count; ++i) {
         draw_together(record, item, crowd[i]);
     }
