@@ -26,14 +26,14 @@ enum { TIMER_FRAMES = 6 };
 /// Zero-initialize it.
 typedef struct stp_gl_timer {
     GLuint queries[TIMER_FRAMES][GL_TIMER_POINTS];
-    GLuint samples[TIMER_FRAMES]; ///< pixels written to the visibility buffer
+    GLuint samples[TIMER_FRAMES];                  ///< pixels written to the visibility buffer
     GLuint splats[TIMER_FRAMES][GL_COUNTED_DRAWS]; ///< primitives that reach the picture
-    uint32_t counted[TIMER_FRAMES]; ///< a bit for each of `splats` that was begun
-    bool counts;                    ///< the driver counts primitives
-    bool active;                    ///< a frame is begun and not ended
-    uint32_t first, count;        ///< frames with pending queries
-    bool known;                   ///< times are valid
-    double draw_ms, shade_ms;     ///< times of the last completed frame
+    uint32_t counted[TIMER_FRAMES];                ///< a bit for each of `splats` that was begun
+    bool counts;                                   ///< the driver counts primitives
+    bool active;                                   ///< a frame is begun and not ended
+    uint32_t first, count;                         ///< frames with pending queries
+    bool known;                                    ///< times are valid
+    double draw_ms, shade_ms;                      ///< times of the last completed frame
     uint64_t fragments;
     uint64_t drawn_splats; ///< that the graphics pipeline drew
 } stp_gl_timer;
