@@ -105,8 +105,8 @@ typedef struct stp_cpu_worker {
     stp_arena scratch;
     uint64_t fragments, covered;
     uint64_t splats, triangles; ///< drawn
-    uint64_t layer_found;  ///< fragments of the current task between the layer's bounds
-    uint64_t layer_pixels; ///< shaded pixels of the current layer
+    uint64_t layer_found;       ///< fragments of the current task between the layer's bounds
+    uint64_t layer_pixels;      ///< shaded pixels of the current layer
     bool drew, failed;
 } stp_cpu_worker;
 
