@@ -12,6 +12,8 @@
 // it has this many times fewer triangles.
 #define FINER 0.5
 #define SMALLER 256.0
+// Or if the nearest sets above hold this many copies of it: its own set shows them all.
+#define COPIES 8.0
 // A set above others pays if they would each be drawn with fewer splats than this, or if it has
 // this many times fewer splats than they have (hidden surfaces are left out).
 #define ITEM_SPLATS 250.0
@@ -37,6 +39,7 @@ static const char* const result_version = "stipple-surfels-14";
 typedef struct above {
     double spacing;   ///< spacing of the coarsest set; infinite if some path has none
     double triangles; ///< triangles and points of the largest set; infinite likewise
+    double copies;    ///< how often these sets hold the node: the sum of their paths to it
 } above;
 
 // The content of a node's set: everything below it that does not move on its own.
@@ -226,7 +229,7 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
         return false;
     }
     const above* a = &p->above[index];
-    return estimate_spacing(p, index) <= FINER * a->spacing ||
+    return estimate_spacing(p, index) <= FINER * a->spacing || a->copies >= COPIES ||
            count_shapes(p, index) * SMALLER <= a->triangles;
 }
 
@@ -235,7 +238,7 @@ static void pass_down(planning* p, uint32_t index)
     const stp_node* node = &p->scene->nodes[index];
     above own = p->above[index];
     if (p->wanted[index]) {
-        own = (above){estimate_spacing(p, index), count_shapes(p, index)};
+        own = (above){estimate_spacing(p, index), count_shapes(p, index), 1.0};
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_edge* edge = &p->scene->edges[node->first_edge + i];
@@ -246,6 +249,7 @@ static void pass_down(planning* p, uint32_t index)
         double triangles = moving ? HUGE_VAL : own.triangles;
         below->spacing = spacing > below->spacing ? spacing : below->spacing;
         below->triangles = triangles > below->triangles ? triangles : below->triangles;
+        below->copies += moving ? 0.0 : own.copies;
         p->reached[edge->node] = true;
     }
 }
@@ -253,7 +257,7 @@ static void pass_down(planning* p, uint32_t index)
 static void choose_nodes(planning* p)
 {
     const stp_scene* scene = p->scene;
-    p->above[scene->root] = (above){HUGE_VAL, HUGE_VAL};
+    p->above[scene->root] = (above){HUGE_VAL, HUGE_VAL, 0.0};
     p->reached[scene->root] = true;
     for (uint32_t i = (uint32_t)scene->node_count; i-- > 0;) { // parents before their children
         if (p->reached[i]) {

@@ -273,6 +273,31 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
     }
 }
 
+// Groups of copies share the set of the copied node, instead of a set each.
+void test_plans_share_the_sets_of_copies(test_state* test)
+{
+    enum { GROUPS = 6, COPIES = 10, SIZE = 40, TRIANGLES = 2 * SIZE * SIZE };
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene = NULL;
+    CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+    uint32_t sheet = add_sheet(scene, SIZE);
+    for (uint32_t i = 0; i < GROUPS; ++i) {
+        uint32_t group = add_object(scene, STP_NONE, STP_NONE, 10000.0 * i, 0);
+        for (uint32_t k = 0; k < COPIES; ++k) { // at other places in each group
+            CHECK(add_object(scene, group, sheet, (60.0 + i) * k, 0) != STP_NONE);
+        }
+    }
+    CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+    stp_build_plan plan;
+    CHECK(make_plan_by(scene, 1000, (stp_splat_rule){.maximum = 4000}, &plan));
+    CHECK_EQUAL(2, plan.step_count);
+    CHECK_EQUAL(TRIANGLES, triangles_of(scene, &plan, 0));
+    CHECK_EQUAL(GROUPS * COPIES * TRIANGLES, triangles_of(scene, &plan, 1));
+    stp_build_plan_destroy(context, &plan);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 // Nested objects that show the same content get one set, not one each. Moving ones have their own.
 void test_plans_leave_out_redundant_sets(test_state* test)
 {
