@@ -129,8 +129,9 @@ static void report(gl_bench* b, const picture_size* size, const char* view, cons
                    const frame_times* t)
 {
     static const char* const used[] = {"auto", "points", "compute"};
-    double rate =
-        t->draw_ms > 0.0 && !w->reference ? (double)t->stats.listed_splats / (t->draw_ms * 1e-3) : 0.0;
+    double rate = t->draw_ms > 0.0 && !w->reference
+                      ? (double)t->stats.listed_splats / (t->draw_ms * 1e-3)
+                      : 0.0;
     assert((size_t)t->gl.splats < sizeof(used) / sizeof(used[0]) && "every path has a name");
     bench_entry e = bench_result(b->results, "gl");
     bench_set_text(e.params, "model", b->model);

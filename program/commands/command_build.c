@@ -23,7 +23,7 @@ static struct {
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
     int progress, capture, levels;
-    double leaf_flatness, surfel_ratio;
+    double leaf_flatness, surfel_ratio, smooth;
     uint64_t leaf_points, leaf_sample, leaf_scales, leaf_neighbors, normal_neighbors;
     bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_scales_given,
         leaf_neighbors_given, normal_neighbors_given;
@@ -65,6 +65,7 @@ static const option table[] = {
      .value = &args.axes.unit,
      .given = &args.axes.has_unit},
     OPTION_COLUMNS(&args.columns),
+    OPTION_SMOOTH(&args.smooth),
     {.name = "method",
      .type = OPTION_TEXT,
      .argument = "NAME,...",
@@ -332,6 +333,9 @@ static char* parameters_json(void)
     if (args.axes.has_unit) {
         (void)json_object_set_new(json, "unit", json_string(model_unit_names[args.axes.unit]));
     }
+    if (args.smooth > 0.0) {
+        (void)json_object_set_new(json, "smooth", json_real(args.smooth));
+    }
     if (args.columns != NULL) {
         (void)json_object_set_new(json, "columns", json_string(args.columns));
     }
@@ -350,7 +354,8 @@ static int build(stp_context* context, int argc, char** argv)
         .output = args.output,
         .import = {.up = model_axes_up(&args.axes),
                    .unit_metres = model_axes_unit(&args.axes),
-                   .columns = args.columns},
+                   .columns = args.columns,
+                   .smooth_degrees = args.smooth},
         .blue = {.capture = {.direction_count = (uint32_t)args.directions,
                              .resolution = (uint32_t)args.resolution},
                  .order = {.kind = order_kinds[args.order],
@@ -471,6 +476,7 @@ static int run(int argc, char** argv)
         return tool_usage_error("build needs -o FILE.stip");
     }
     int usage = tool_take_columns(args.columns, argc, argv);
+    usage = usage == 0 ? tool_take_smooth(args.smooth, argc, argv) : usage;
     if (usage != 0) {
         return usage;
     }

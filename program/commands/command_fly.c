@@ -17,6 +17,7 @@ static struct {
     bool popping;
     draw_options draw;
     model_axes axes;
+    double smooth;
 } args;
 
 static const option* options(void)
@@ -61,6 +62,7 @@ static const option* options(void)
          .rare = true},
         OPTION_MODEL_UP("model-up", &args.axes),
         OPTION_MODEL_UNIT(&args.axes),
+        OPTION_SMOOTH(&args.smooth),
         {0},
     };
     static option table[OPTION_TABLE_ROOM];
@@ -224,6 +226,7 @@ static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
     code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
+    code = code == 0 ? tool_take_smooth(args.smooth, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -35,6 +35,7 @@ static struct {
     bool once;
     const char* pick;
     model_axes axes;
+    double smooth;
     draw_options draw;
 } args;
 
@@ -111,6 +112,7 @@ static const option* options(void)
         OPTION_COLUMNS(&args.columns),
         OPTION_MODEL_UP("model-up", &args.axes),
         OPTION_MODEL_UNIT(&args.axes),
+        OPTION_SMOOTH(&args.smooth),
         {0},
     };
     static option table[OPTION_TABLE_ROOM];
@@ -456,6 +458,7 @@ static int run(int argc, char** argv)
     int code = check_arguments(argc, argv[0]);
     code = code == 0 ? tool_take_columns(args.columns, argc, argv) : code;
     code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
+    code = code == 0 ? tool_take_smooth(args.smooth, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -31,6 +31,7 @@ static struct {
     uint8_t background[3];
     bool has_background, json;
     model_axes axes;
+    double smooth;
 } args;
 
 static const option* options(void)
@@ -69,6 +70,7 @@ static const option* options(void)
          .given = &args.has_background},
         OPTION_MODEL_UP("model-up", &args.axes),
         OPTION_MODEL_UNIT(&args.axes),
+        OPTION_SMOOTH(&args.smooth),
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
@@ -297,6 +299,7 @@ static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argc > 0 ? argv[0] : NULL);
     code = code == 0 ? tool_take_axes(&args.axes, argc, argv) : code;
+    code = code == 0 ? tool_take_smooth(args.smooth, argc, argv) : code;
     if (code != 0) {
         return code;
     }

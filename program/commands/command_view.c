@@ -21,6 +21,7 @@ static struct {
     uint64_t splats, threads, memory;
     point_color_options colors;
     model_axes axes;
+    double smooth;
 } args;
 
 static const option* options(void)
@@ -91,6 +92,7 @@ static const option* options(void)
         OPTION_GL_SPLATS(&args.gl_splats),
         OPTION_MODEL_UP("up", &args.axes),
         OPTION_MODEL_UNIT(&args.axes),
+        OPTION_SMOOTH(&args.smooth),
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         {0},
@@ -116,6 +118,7 @@ static int run(int argc, char** argv)
         return code;
     }
     code = tool_take_axes(&args.axes, argc, argv);
+    code = code == 0 ? tool_take_smooth(args.smooth, argc, argv) : code;
     if (code != 0) {
         return code;
     }

@@ -15,7 +15,7 @@ typedef struct frame_figures {
     float splat_size; ///< in effect
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
-    uint64_t extra_splats; ///< drawn while levels blend
+    uint64_t extra_splats;                    ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
     uint32_t layers;  ///< layers of transparent surfaces
     uint32_t missing; ///< resources the view needs that were not, or not completely, loaded

@@ -158,6 +158,10 @@ static stp_result cache_paths(stp_context* context, const scene_input* input,
     if (columns != NULL) {
         hash = stp_hash_bytes(hash, columns, strlen(columns));
     }
+    double smooth = tool_settings_get()->smooth_degrees;
+    if (smooth > 0.0) {
+        hash = stp_hash_bytes(hash, &smooth, sizeof(smooth));
+    }
     if (input->up != 0 || input->unit_metres > 0.0) {
         hash = stp_hash_bytes(hash, &input->up, sizeof(input->up));
         hash = stp_hash_bytes(hash, &input->unit_metres, sizeof(input->unit_metres));
@@ -244,6 +248,7 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
 static stp_import_desc import_desc(const scene_input* input)
 {
     return (stp_import_desc){.columns = tool_settings_get()->columns,
+                             .smooth_degrees = tool_settings_get()->smooth_degrees,
                              .up = input->up,
                              .unit_metres = input->unit_metres,
                              .corrects = true};
@@ -387,6 +392,17 @@ int tool_take_columns(const char* names, int input_count, char** inputs)
         return tool_usage_error("--columns applies to text point clouds; %s is not one", inputs[0]);
     }
     tool_settings_get()->columns = names;
+    return 0;
+}
+
+int tool_take_smooth(double degrees, int input_count, char** inputs)
+{
+    for (int i = 0; degrees > 0.0 && i < input_count; ++i) {
+        if (tool_is_store_file(inputs[i])) {
+            return tool_usage_error("%s is built; --smooth is an option of build", inputs[i]);
+        }
+    }
+    tool_settings_get()->smooth_degrees = degrees;
     return 0;
 }
 

@@ -71,6 +71,8 @@ STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const scene_in
 /// Sets --columns for all models imported or built from now on; NULL is allowed. @return 0, or the
 /// code of a usage error if the list is invalid or applies to none of the inputs
 int tool_take_columns(const char* names, int input_count, char** inputs);
+/// Sets --smooth likewise; a built file is a usage error.
+int tool_take_smooth(double degrees, int input_count, char** inputs);
 
 /// Refuses standard input as a model. @return 0, or the code of a usage error
 int tool_check_inputs(int input_count, char** inputs);

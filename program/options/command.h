@@ -101,6 +101,14 @@ enum { OPTION_TABLE_ROOM = 104 }; ///< most entries of a command's table, with t
                 "detected from the header, number and values of the columns",                      \
         .value = (place), .group = "Input", .rare = true                                           \
     }
+/// Normals for meshes that have none; taken by tool_take_smooth.
+#define OPTION_SMOOTH(place)                                                                       \
+    {                                                                                              \
+        .name = "smooth", .type = OPTION_NUMBER, .argument = "ANGLE", .words = "0..180",           \
+        .help = "give meshes without normals smooth ones, across edges where faces turn by at "    \
+                "most ANGLE degrees, such as 30 for CAD; default 0: faces look flat",              \
+        .value = (place), .group = "Input", .rare = true                                           \
+    }
 #define OPTION_JSON(where)                                                                         \
     {                                                                                              \
         .name = "json", .help = "print one JSON object", .value = (where)                          \

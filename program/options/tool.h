@@ -16,6 +16,7 @@ typedef struct tool_settings {
     const char* command;           ///< the command that runs; NULL: none yet
     char** arguments;              ///< those of the process, as they were given
     const char* columns;           ///< stp_import_desc.columns for imported models; NULL: not given
+    double smooth_degrees;         ///< stp_import_desc.smooth_degrees for imported models
     char up;            ///< corrects the up axis of models (stp_import_desc.up); 0: not given
     double unit_metres; ///< corrects the unit of models; 0: not given
 } tool_settings;

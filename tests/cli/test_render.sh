@@ -199,6 +199,14 @@ for suffix in png jpg webp; do
     holds "$(value compare.json ssim) > 0.9" || fail "$suffix: $(cat compare.json)"
 done
 "$stipple" sheet kind.jpg kind.webp -o kinds.png || fail "sheet reads no JPEG and WebP"
+# normals of models that have none
+"$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model once more"
+"$stipple" render ball.obj -o smooth.png --size 64x64 --smooth 60 -q || fail "--smooth"
+cmp -s ball.png smooth.png && fail "--smooth draws what the cache holds without it"
+"$stipple" -q build ball.obj -o smooth.stip --smooth 60 || fail "build --smooth"
+"$stipple" -q render smooth.stip -o smooth2.png --size 64x64 && cmp -s smooth.png smooth2.png || fail "build --smooth differs"
+"$stipple" render smooth.stip -o x.png --smooth 60 2> err && fail "--smooth of a built file"
+grep -q "smooth.stip is built; --smooth is an option of build" err || fail "a built file: $(cat err)"
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" render short.stip -o a.png
 refused 1 "no/folder" render "$file" -o no/folder/a.png --size 8x8

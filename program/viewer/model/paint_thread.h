@@ -50,10 +50,10 @@ typedef struct paint_figures {
     float splat_size;
     uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
     uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
-    uint64_t live_bytes; ///< memory in use by the renderer's context
-    double latency_ms;   ///< from the request to its first picture
-    uint32_t samples;    ///< accumulated frames; 1: none were accumulated
-    uint32_t missing;    ///< things wanted but not loaded, or not drawn yet
+    uint64_t live_bytes;                      ///< memory in use by the renderer's context
+    double latency_ms;                        ///< from the request to its first picture
+    uint32_t samples;                         ///< accumulated frames; 1: none were accumulated
+    uint32_t missing;                         ///< things wanted but not loaded, or not drawn yet
 } paint_figures;
 
 typedef struct painter_picture {

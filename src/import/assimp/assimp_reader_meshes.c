@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Meshes and points of the stream.
 #include "import/assimp/assimp_reader.h"
+#include "import/reading/smooth.h"
 
 #include <assert.h>
 #include <float.h>
@@ -129,7 +130,7 @@ static stp_result add_mesh(stp_assimp_reader* r, stp_mesh* mesh, const float* co
     assert(mesh->positions != NULL && mesh->indices != NULL && mesh->triangle_count > 0);
     stp_mesh given = *mesh;
     *mesh = (stp_mesh){0};
-    return stp_scene_add_mesh(r->import->scene, &given, &part->index);
+    return stp_import_add_mesh(r->import, &given, &part->index);
 }
 
 static stp_result read_mesh(stp_assimp_reader* r, stp_part* part)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Reads all visible primitives in jobs and adds them to the scene in file order.
 #include "import/gltf/gltf_primitive.h"
+#include "import/reading/smooth.h"
 
 #include <assert.h>
 #include <string.h>
@@ -92,7 +93,7 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
     stp_mesh mesh = primitive->mesh;
     primitive->mesh = (stp_mesh){0};
     part->part.kind = STP_PART_MESH;
-    return stp_scene_add_mesh(scene, &mesh, &part->part.index);
+    return stp_import_add_mesh(gltf->import, &mesh, &part->part.index);
 }
 
 // Logs the messages of primitives [begin, end), adds them to the scene, and counts those of lines.

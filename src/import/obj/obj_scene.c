@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Adds groups, meshes and points of an OBJ file to the scene.
 #include "import/obj/obj.h"
+#include "import/reading/smooth.h"
 #include "import/reading/surface.h"
 
 #include <assert.h>
@@ -67,7 +68,7 @@ static stp_result add_parts(build* all, size_t group)
         all->built[i] = (stp_mesh){0};
         mesh.name = groups[group].name[0] != '\0' ? groups[group].name : NULL;
         stp_part part = {.kind = STP_PART_MESH};
-        stp_result result = stp_scene_add_mesh(scene, &mesh, &part.index);
+        stp_result result = stp_import_add_mesh(all->obj->import, &mesh, &part.index);
         if (result == STP_OK) {
             result = stp_scene_add_part(scene, part);
         }

@@ -5,6 +5,7 @@
 // national grids keep their precision. A vertex or face ends with its line; colours of faces are not
 // kept. The default up axis is y.
 #include "import/reading/point_columns.h"
+#include "import/reading/smooth.h"
 #include "import/reading/surface.h"
 #include "import/reading/text.h"
 #include "import/reading/triangulate.h"
@@ -294,7 +295,7 @@ static stp_result add_to_scene(reader* r)
     stp_mesh mesh = r->mesh;
     mesh.material = material;
     r->mesh = (stp_mesh){0};
-    result = stp_scene_add_mesh(import->scene, &mesh, &part.index);
+    result = stp_import_add_mesh(import, &mesh, &part.index);
     return result == STP_OK ? stp_scene_add_part(import->scene, part) : result;
 }
 

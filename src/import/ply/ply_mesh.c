@@ -2,6 +2,7 @@
 // Adds the mesh of a PLY file to the scene: as it is, or a mesh for each picture if faces have
 // colours or texture coordinates of their own.
 #include "import/ply/ply.h"
+#include "import/reading/smooth.h"
 #include "import/reading/surface.h"
 
 #include <assert.h>
@@ -26,10 +27,10 @@ static uint16_t linear_color(float value, size_t channel)
     return stp_unorm16(channel < 3 ? stp_srgb_to_linear(value) : value);
 }
 
-static stp_result add_part(const stp_ply* ply, const stp_mesh* mesh)
+static stp_result add_part(const stp_ply* ply, stp_mesh* mesh)
 {
     stp_part part = {.kind = STP_PART_MESH};
-    stp_result result = stp_scene_add_mesh(ply->import->scene, mesh, &part.index);
+    stp_result result = stp_import_add_mesh(ply->import, mesh, &part.index);
     return result == STP_OK ? stp_scene_add_part(ply->import->scene, part) : result;
 }
 

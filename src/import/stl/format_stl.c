@@ -5,6 +5,7 @@
 // CAD programs and printers.
 #include "base/io/bytes.h"
 #include "import/reading/point_columns.h"
+#include "import/reading/smooth.h"
 #include "import/reading/surface.h"
 #include "import/reading/text.h"
 #include "import/stl/stl_weld.h"
@@ -74,7 +75,7 @@ static stp_result end_solid(reader* r, const char* name)
         if (result == STP_OK) {
             weld->positions = NULL;
             weld->indices = NULL;
-            result = stp_scene_add_mesh(scene, &mesh, &part.index);
+            result = stp_import_add_mesh(r->import, &mesh, &part.index);
         }
         if (result == STP_OK) {
             result = stp_scene_add_part(scene, part);

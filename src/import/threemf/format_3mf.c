@@ -2,6 +2,7 @@
 //
 // 3MF, with the extensions for materials and production. Objects of the file become prototypes;
 // items of the build and components of objects use them. Up is z.
+#include "import/reading/smooth.h"
 #include "import/reading/surface.h"
 #include "import/threemf/threemf.h"
 
@@ -161,7 +162,7 @@ static stp_result end_mesh(builder* b, uint32_t* plain)
     mesh.indices = b->indices;
     b->indices = NULL;
     stp_part part = {.kind = STP_PART_MESH};
-    result = stp_scene_add_mesh(m->import->scene, &mesh, &part.index);
+    result = stp_import_add_mesh(m->import, &mesh, &part.index);
     return result == STP_OK ? stp_scene_add_part(m->import->scene, part) : result;
 }
 
