@@ -105,3 +105,49 @@ void test_ply_spilled_points_say_that_the_disk_is_full(test_state* test)
     stp_context_destroy(context);
     free(bytes);
 }
+
+// A header that says more points than there are: up to a hundredth may be missing.
+void test_ply_clouds_may_lack_a_few_points(test_state* test)
+{
+    enum { SAID = 400 };
+    for (uint32_t variant = 0; variant < 16; ++variant) {
+        bool binary = variant % 2 != 0, within = variant / 2 % 2 != 0, many = variant / 4 % 2 != 0;
+        bool faces = variant / 8 != 0; // then it is no cloud
+        static char text[16 * SAID];
+        uint32_t missing = many ? 5 : 3;
+        size_t size = (size_t)snprintf(
+            text, sizeof(text),
+            "ply\nformat %s 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+            "property float z\n%send_header\n",
+            binary ? "binary_little_endian" : "ascii", SAID,
+            faces ? "element face 1\nproperty list uchar int vertex_indices\n" : "");
+        for (uint32_t i = 0; i < SAID - missing; ++i) {
+            const float p[3] = {(float)i, 0.5f, 1.0f};
+            if (binary) {
+                memcpy(text + size, p, sizeof(p));
+                size += sizeof(p);
+            } else {
+                size += (size_t)snprintf(text + size, sizeof(text) - size, "%u 0.5 1\n", i);
+            }
+        }
+        size_t part = binary ? 5 : 3; // of another point: it is left out
+        if (within) {
+            memcpy(text + size, "7 8 9", part);
+            size += part;
+        }
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_scene* scene = NULL;
+        CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+        stp_result result = stp_import_memory(scene, "a.ply", text, size, &(stp_import_desc){0});
+        bool opens = !many && !faces;
+        CHECK_EQUAL(opens ? STP_OK : STP_ERROR_TRUNCATED, result);
+        CHECK_EQUAL(opens ? 0 : 1, log.errors);
+        if (opens) {
+            CHECK(strstr(log.warning, "a.ply: 3 of 400 points are missing") != NULL);
+            CHECK_EQUAL(SAID - 3, scene->point_sets[0].point_count);
+        }
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}

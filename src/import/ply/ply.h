@@ -70,6 +70,8 @@ typedef struct stp_ply_cursor {
     uint64_t long_rows;  ///< rows with more values than the header says
 } stp_ply_cursor;
 
+/// Starts at the first value. A cloud that lacks up to a hundredth of its points gets as many as
+/// there are, with a warning. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor);
 void stp_ply_cursor_close(stp_ply_cursor* cursor);
 

@@ -51,18 +51,72 @@ double stp_ply_value(const unsigned char* bytes, stp_ply_type type, stp_ply_enco
     return value;
 }
 
-// Whether there are as many lines with values as rows: then each is one.
-static bool row_is_line(const stp_ply* ply, stp_text text, stp_text end)
+// Lines with values of a text that ends with a line end.
+static uint64_t count_lines(stp_text text, stp_text end)
 {
-    uint64_t rows = 0, lines = 0;
-    for (size_t i = 0; i < ply->element_count; ++i) {
-        rows += ply->elements[i].property_count > 0 ? ply->elements[i].count : 0;
-    }
+    uint64_t lines = 0;
     for (stp_text at = text; at < end; ++at) {
         lines += *stp_skip_blanks(at) != '\n';
         at = memchr(at, '\n', (size_t)(end - at));
     }
+    return lines;
+}
+
+// Whether there are as many lines as rows: then each is one.
+static bool row_is_line(const stp_ply* ply, uint64_t lines)
+{
+    uint64_t rows = 0;
+    for (size_t i = 0; i < ply->element_count; ++i) {
+        rows += ply->elements[i].property_count > 0 ? ply->elements[i].count : 0;
+    }
     return rows == lines;
+}
+
+// Values of the last line of a text that ends with a line end.
+static size_t count_last_values(stp_text text, stp_text end)
+{
+    stp_text line = end - 1;
+    size_t values = 0;
+    while (line > text && line[-1] != '\n') {
+        line -= 1;
+    }
+    for (stp_text at = stp_skip_blanks(line); *at != '\n'; at = stp_skip_blanks(at)) {
+        values += 1;
+        while (*at != '\n' && !stp_is_blank(*at)) {
+            at += 1;
+        }
+    }
+    return values;
+}
+
+/// A cloud that lacks at most a hundredth of its points, such as of a program that counted wrong,
+/// has those that are there.
+static void accept_missing_points(stp_ply* ply, const stp_ply_cursor* cursor, uint64_t lines)
+{
+    stp_ply_element* only = NULL;
+    for (size_t i = 0; i < ply->element_count; ++i) {
+        stp_ply_element* e = &ply->elements[i];
+        if (e->count > 0 && (only != NULL || e->has_lists || strcmp(e->name, "vertex") != 0)) {
+            return;
+        }
+        only = e->count > 0 ? e : only;
+    }
+    if (only == NULL || only->property_count == 0) {
+        return;
+    }
+    uint64_t there = lines;
+    if (cursor->text == NULL) {
+        there = (uint64_t)(cursor->end - cursor->at) / only->row_size;
+    } else if (lines > 0 && cursor->end - cursor->at > 1 && cursor->end[-2] != '\n' &&
+               count_last_values(cursor->at, cursor->end) < only->property_count) {
+        there -= 1; // the file ends within a row
+    }
+    if (there < only->count && only->count - there <= only->count / 100) {
+        stp_warn(ply->context, "%s: %llu of %llu points are missing: the file ends before them",
+                 ply->import->path, (unsigned long long)(only->count - there),
+                 (unsigned long long)only->count);
+        only->count = there;
+    }
 }
 
 stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
@@ -72,6 +126,7 @@ stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
     assert(ply->body <= file->size);
     *cursor = (stp_ply_cursor){
         .ply = ply, .at = file->bytes + ply->body, .end = file->bytes + file->size};
+    uint64_t lines = 0;
     if (ply->encoding == STP_PLY_ASCII) {
         cursor->text = stp_alloc(ply->context, size + 1);
         if (cursor->text == NULL) {
@@ -81,8 +136,10 @@ stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor)
         cursor->text[size] = '\n';
         cursor->at = cursor->text;
         cursor->end = cursor->text + size + 1;
-        cursor->row_is_line = row_is_line(ply, cursor->at, cursor->end);
+        lines = count_lines(cursor->at, cursor->end);
     }
+    accept_missing_points(ply, cursor, lines);
+    cursor->row_is_line = cursor->text != NULL && row_is_line(ply, lines);
     return STP_OK;
 }
 
