@@ -11,10 +11,12 @@
 #include "program/reports/reports.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 static struct {
     const char *output, *method, *columns;
@@ -344,6 +346,16 @@ static char* parameters_json(void)
     return text;
 }
 
+/// Whether a build left finished parts beside its output.
+static bool has_work(const char* output)
+{
+    char folder[PATH_MAX];
+    struct stat status;
+    int length = snprintf(folder, sizeof(folder), "%s.work", output);
+    return length > 0 && (size_t)length < sizeof(folder) && stat(folder, &status) == 0 &&
+           S_ISDIR(status.st_mode);
+}
+
 static int build(stp_context* context, int argc, char** argv)
 {
     const stp_method* chosen[STP_METHOD_COUNT];
@@ -402,7 +414,10 @@ static int build(stp_context* context, int argc, char** argv)
     }
     desc.parameters_json = parameters;
     stp_build_report report;
+    tool_hold_errors();
     stp_result result = stp_build(context, &desc, &report);
+    bool resumes = result == STP_ERROR_IO && !args.fresh && has_work(args.output);
+    tool_release_errors(true, resumes ? "the same command resumes where it stopped" : NULL);
     free(parameters);
     return result == STP_OK
                ? build_report_print(context, args.output, &report,

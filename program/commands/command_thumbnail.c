@@ -168,7 +168,7 @@ static stp_result open_model(thumbnail* t)
         tool_hold_errors();
         result = view_splats_make(scene, &t->view, (uint32_t)splats_wanted(), &t->made);
         large = result == STP_ERROR_LIMIT;
-        tool_release_errors(result != STP_OK && !large);
+        tool_release_errors(result != STP_OK && !large, NULL);
         t->store = t->made.store;
         t->way = WAY_CAPTURED;
         t->quality.method = STP_METHOD_PSP;

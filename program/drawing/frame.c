@@ -44,7 +44,7 @@ stp_result frame_maker_create_in(stp_context* context, stp_store* store,
     }
     tool_hold_errors();
     stp_result result = create_gl(maker);
-    tool_release_errors(false);
+    tool_release_errors(false, NULL);
     if (result != STP_OK) {
         stp_notice(context, "%s cannot draw this; using the CPU", maker->headless.device);
         stp_headless_destroy(&maker->headless);
@@ -122,7 +122,7 @@ stp_result frame_do(frame_maker* maker, frame_task task, void* user)
     while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(maker->residency)) {
         result = task(user);
     }
-    tool_release_errors(result != STP_OK);
+    tool_release_errors(result != STP_OK, NULL);
     return result;
 }
 

@@ -148,9 +148,9 @@ int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// Whether an interrupt (Ctrl+C) was received: for loops that report no progress.
 bool tool_is_interrupted(void);
 // Around work that may be retried: holds back errors that the library logs; at the end the last one
-// is printed or dropped. One thread.
+// is printed, continued by `more` (NULL: not), or dropped. One thread.
 void tool_hold_errors(void);
-void tool_release_errors(bool print);
+void tool_release_errors(bool print, const char* more);
 /// Prints the object and a newline on stdout and frees it; returns the exit code (1 if writing
 /// fails).
 int tool_print_json(json_t* object);

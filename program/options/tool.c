@@ -127,12 +127,13 @@ void tool_hold_errors(void)
     held_error[0] = 0;
 }
 
-void tool_release_errors(bool print)
+void tool_release_errors(bool print, const char* more)
 {
     assert(holds_errors && "errors were held");
     holds_errors = false;
     if (print && held_error[0] != 0) {
-        print_text("", "", "%s", held_error);
+        print_text("", "", "%s%s%s", held_error, more != NULL ? "; " : "",
+                   more != NULL ? more : "");
     }
 }
 

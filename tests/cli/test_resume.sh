@@ -148,10 +148,14 @@ def limit_files(size):
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
     return apply
 
-kept_before = 0
+resumed = 0
 for size in (2000, 50000, len(expected) // 2, len(expected) - 1):
-    fails("out.stip", where="out.stip", preexec_fn=limit_files(size))
+    message = fails("out.stip", where="out.stip", preexec_fn=limit_files(size))
+    resumes = message.endswith("; the same command resumes where it stopped")
+    assert resumes == os.path.isdir("out.stip.work"), message
+    resumed += resumes
     assert not os.path.exists("out.stip")
+assert resumed > 0
 kept = build("out.stip")
 assert kept["surfel_sets"] > 0 and read("out.stip") == expected, kept
 os.remove("out.stip")
