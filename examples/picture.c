@@ -59,8 +59,8 @@ static stp_result draw(stp_context* context, const char* path, const char* view_
     }
     if (result == STP_OK) {
         printf("%llu triangles, drawn by %llu splats and %llu triangles in %.1f ms\n",
-               (unsigned long long)info.triangles, (unsigned long long)report.splats,
-               (unsigned long long)report.triangles, report.frame_ms);
+               (unsigned long long)info.triangle_count, (unsigned long long)report.splat_count,
+               (unsigned long long)report.triangle_count, report.frame_ms);
     }
     stp_painter_destroy(painter);
     stp_model_close(model);

@@ -77,8 +77,8 @@ typedef struct stp_model_info {
     double unit_metres;                  ///< metres of one unit; 0: unknown
     char up;                             ///< the input's up axis, 'x', 'y' or 'z'; inside, y is up
     stp_boxd bounds;                     ///< scene space; max < min if the scene is empty
-    uint64_t triangles, points, splats;
-    uint64_t stored_triangles, stored_points, stored_splats;
+    uint64_t triangle_count, point_count, splat_count;
+    uint64_t stored_triangle_count, stored_point_count, stored_splat_count;
     uint32_t object_count; ///< objects of the scene tree
     uint32_t view_count, method_count, source_count;
     uint32_t material_count, texture_count, mesh_count;
@@ -102,7 +102,7 @@ typedef struct stp_object_info {
     bool placed;
     stp_affine transform; ///< to scene space, if placed
     stp_boxd bounds;      ///< scene space; empty if not placed
-    uint64_t triangles, points;
+    uint64_t triangle_count, point_count;
     uint64_t child_count;
 } stp_object_info;
 

@@ -95,7 +95,7 @@ typedef struct stp_paint_report {
     double select_ms, draw_ms, shade_ms;
     float splat_size; ///< pixels, as used
     /// Drawn: splats of the wanted level that nothing hides, triangles of clusters in view
-    uint64_t splats, triangles;
+    uint64_t splat_count, triangle_count;
     uint64_t covered_pixels;
     uint32_t samples; ///< per pixel, so far
     uint32_t missing; ///< items drawn coarser than wanted because they are not loaded

@@ -70,8 +70,8 @@ stp_result stp_model_get_object(stp_model* model, uint32_t object, stp_object_in
                             .placed = stp_model_is_placed(&item),
                             .transform = item.transform,
                             .bounds = row.bounds,
-                            .triangles = row.triangle_count,
-                            .points = row.point_count,
+                            .triangle_count = row.triangle_count,
+                            .point_count = row.point_count,
                             .child_count = row.child_count};
     STP_WRITE_INFO(info, made);
     return STP_OK;

@@ -178,10 +178,10 @@ static const char* fault_of_info(const stp_model* model)
     stp_view view = {.width = 100, .height = 50};
     uint32_t both =
         stp_attribute_bit(STP_ATTRIBUTE_INTENSITY) | stp_attribute_bit(STP_ATTRIBUTE_CLASS);
-    if (stp_model_get_info(model, &info) != STP_OK || info.points != EMBED_POINTS ||
-        info.triangles != 12 + 3 * 1152 || info.stored_triangles != 12 + 1152) {
-        fprintf(stderr, "%llu triangles, %llu stored\n", (unsigned long long)info.triangles,
-                (unsigned long long)info.stored_triangles);
+    if (stp_model_get_info(model, &info) != STP_OK || info.point_count != EMBED_POINTS ||
+        info.triangle_count != 12 + 3 * 1152 || info.stored_triangle_count != 12 + 1152) {
+        fprintf(stderr, "%llu triangles, %llu stored\n", (unsigned long long)info.triangle_count,
+                (unsigned long long)info.stored_triangle_count);
         return "counts";
     }
     if (info.attributes != both || info.up != 'y' || info.unit_metres != 0.0 ||
@@ -244,7 +244,7 @@ static const char* fault_of_tree(stp_model* model)
         return "what is not there";
     }
     if (stp_model_get_object(model, STP_NO_OBJECT, &info) != STP_OK || info.name != NULL ||
-        info.points != EMBED_POINTS || info.parent != STP_NO_OBJECT) {
+        info.point_count != EMBED_POINTS || info.parent != STP_NO_OBJECT) {
         return "the whole";
     }
     return NULL;
