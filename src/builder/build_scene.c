@@ -240,6 +240,10 @@ static stp_result plan_splat_sets(build* b)
     if (result != STP_OK) {
         return result;
     }
+    for (uint32_t i = 0; i < b->shadings.count; ++i) {
+        b->scene->front_only_shadings[i] =
+            (b->shadings.shadings[i].flags & STP_SHADING_FRONT_ONLY) != 0;
+    }
     stp_build_plan_desc plan = {
         .blue = &desc->blue,
         .rule = desc->splat_rule,

@@ -65,6 +65,7 @@ static stp_shading make_shading(const reduction* r, const stp_material* material
     }
     shading.flags = (material->unlit ? STP_SHADING_UNLIT : 0u) |
                     (material->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u) |
+                    (material->front_only ? STP_SHADING_FRONT_ONLY : 0u) |
                     (material->alpha_mode == STP_ALPHA_BLEND ? STP_SHADING_TRANSPARENT : 0u);
     return shading;
 }
@@ -97,6 +98,7 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     uint32_t flags = a->flags ^ b->flags;
     sum += (flags & STP_SHADING_UNLIT) != 0 ? 16.0f : 0.0f;
     sum += (flags & STP_SHADING_TRANSPARENT) != 0 ? 16.0f : 0.0f;
+    sum += (flags & STP_SHADING_FRONT_ONLY) != 0 ? 16.0f : 0.0f;
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 

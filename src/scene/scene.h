@@ -56,6 +56,9 @@ typedef struct stp_material {
     float alpha_cutoff;
     stp_alpha_mode alpha_mode;
     bool double_sided, unlit;
+    bool front_only; ///< backs are not drawn: single-sided, from a format in which that culls
+    /// Meshes of it that are closed and whose fronts face inwards; set by stp_scene_finish
+    uint32_t inverted;
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
@@ -214,6 +217,10 @@ typedef struct stp_scene {
     uint64_t spill_above;
     uint64_t bulk_bytes;       ///< size of meshes, point sets and textures in memory
     stp_content_table spilled; ///< by content: spilled meshes, point sets and textures
+
+    /// Per shading (builder/shadings.h): whether its splats are seen from the front only. Set before
+    /// splats are made.
+    bool front_only_shadings[256];
 
     double unit_metres; ///< length of one unit; 0 if unknown
     const char* up;     ///< the input's up axis, "x", "y" or "z", without sign: it was rotated to y
