@@ -187,8 +187,8 @@ static const uint16_t* find_fronts(const stp_capture_job* job, const stp_capture
 
 // Draws a set under a similarity transform without copying it.
 static stp_result draw_similar(const stp_capture_job* job, const stp_capture_band* band, size_t set,
-                         const set_projection* projection, const stp_raster_target* target,
-                         uint32_t first_id, stp_arena* scratch)
+                               const set_projection* projection, const stp_raster_target* target,
+                               uint32_t first_id, stp_arena* scratch)
 {
     const stp_placed_set* placed = &job->sets[set];
     const stp_splats* from = placed->splats;

@@ -14,7 +14,8 @@ static bool faces_inwards(const stp_mesh* mesh)
         for (size_t k = 0; k < 3; ++k) {
             corners[k] = mesh->positions + 3 * (size_t)mesh->indices[i + k];
         }
-        stp_closed_surface_add(&surface, (const float* const[3]){corners[0], corners[1], corners[2]});
+        stp_closed_surface_add(&surface,
+                               (const float* const[3]){corners[0], corners[1], corners[2]});
     }
     return stp_closed_surface_side(&surface) < 0;
 }

@@ -165,8 +165,8 @@ static void test_triangle(stp_pick_work* work, const corner* a, const corner* b,
 {
     double t, share[3];
     work->pick->tests += 1;
-    if (is_shown(source, a, b, c) && intersects(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
-        is_opaque_at(source, vertices, share)) {
+    if (is_shown(source, a, b, c) && intersects(a, b, c, &t, share) &&
+        counts(work, t, point_at(&work->desc->ray, t)) && is_opaque_at(source, vertices, share)) {
         assert((!nearest->found || t < nearest->t) && "nearer than the last hit");
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;

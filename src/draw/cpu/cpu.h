@@ -217,8 +217,8 @@ typedef struct stp_cpu_renderer {
     stp_cpu_blend blend;
     stp_caps* caps; ///< NULL until a style needs them
     stp_cpu_layers layers;
-    stp_front_only front_only;         ///< which splat shadings are drawn from the front only
-    uint8_t front_only_shadings[256]; ///< one each
+    stp_front_only front_only;               ///< which splat shadings are drawn from the front only
+    uint8_t front_only_shadings[256];        ///< one each
     float decode[256];                       ///< sRGB byte to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3];     ///< read in fours
     stp_cpu_shade_material* shade_materials; ///< see stp_cpu_make_shade_materials

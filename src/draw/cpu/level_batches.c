@@ -58,10 +58,9 @@ static bool draw_some(const stp_cpu_renderer* r, const stp_cpu_item* item, const
 static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batch* b,
                        int32_t facing, const stp_raster_target* target, stp_cpu_worker* worker)
 {
-    bool enough =
-        draw_some(r, item, b, 0, b->one_sided, facing, target, worker) &&
-        draw_some(r, item, b, BATCH_TRIANGLES - b->two_sided, b->two_sided,
-                  stp_cpu_item_facing(r, item), target, worker);
+    bool enough = draw_some(r, item, b, 0, b->one_sided, facing, target, worker) &&
+                  draw_some(r, item, b, BATCH_TRIANGLES - b->two_sided, b->two_sided,
+                            stp_cpu_item_facing(r, item), target, worker);
     b->vertex_count = b->cluster_count = b->one_sided = b->two_sided = 0;
     return enough;
 }

@@ -260,8 +260,8 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    bool filtered = item->draw->sections != 0 || item->draw->ghost ||
-                    stp_cpu_hides_some(r, item) || stp_cpu_drops_backs(r, item);
+    bool filtered = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item) ||
+                    stp_cpu_drops_backs(r, item);
     bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
     if (item->draw->scattered && item->runs != NULL) {
         splats.nearest = item->runs[0].nearest;

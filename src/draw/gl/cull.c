@@ -83,9 +83,9 @@ static bool place_eye(const stp_gl_renderer* r, uint32_t index, bool* some)
     const stp_store_material* material = &r->directory->materials[item->material];
     bool all = (material->flags & STP_SHADING_FRONT_ONLY) != 0 &&
                !stp_draws_backs(r->style, &r->view->sections);
-    *some = (all || placed->draw->is_level) &&
-            stp_find_item_eye(&r->placement.frame, &placed->draw->transform, placed->offset,
-                              item->eye);
+    *some =
+        (all || placed->draw->is_level) &&
+        stp_find_item_eye(&r->placement.frame, &placed->draw->transform, placed->offset, item->eye);
     return all && *some;
 }
 
@@ -136,8 +136,7 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
     bool some, all = place_eye(r, index, &some);
     const stp_store_level_cluster* of_level = NULL;
     if (some && draw->is_level) {
-        of_level =
-            r->directory->level_clusters + r->directory->levels[draw->level].first_cluster;
+        of_level = r->directory->level_clusters + r->directory->levels[draw->level].first_cluster;
     }
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         if (!(shares[i] > 0.0f)) {

@@ -116,9 +116,8 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
         .scale_first = SHADINGS + r->directory->material_count,
         .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
         .ghost_seed = GHOST_SEED,
-        .front_only = stp_draws_backs(r->style, &r->view->sections)
-                          ? FRONT_ONLY_NONE
-                          : (uint32_t)r->front_only,
+        .front_only = stp_draws_backs(r->style, &r->view->sections) ? FRONT_ONLY_NONE
+                                                                    : (uint32_t)r->front_only,
         .ghost_splats = stp_placement_ghost_part(ghost)};
     view.screen[0] = (float)(f->center_x + p->shift_x);
     view.screen[1] = (float)(f->center_y + p->shift_y);

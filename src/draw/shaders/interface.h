@@ -252,7 +252,7 @@ struct view_block {
     vec4 earlier[4];      // from X, Y, true N, W to those of the picture with known depths
     float corner;         // distance over depth in a corner of the picture
     uint scale_first;     // start of the colour scale among the lighting materials
-    uint front_only; // a FRONT_ONLY
+    uint front_only;      // a FRONT_ONLY
     float view_spare;
     vec4 height_place, height_along; // src/draw/shading_setup.h
 };

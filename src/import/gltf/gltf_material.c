@@ -308,8 +308,8 @@ static stp_result settle_sides(stp_gltf_scope* scope, stp_gltf* gltf)
     }
     stp_material added = stp_material_default();
     added.front_only = true;
-    return lacking ? stp_gltf_logged(
-                         scope, stp_scene_add_material(scene, &added, &gltf->default_material))
+    return lacking ? stp_gltf_logged(scope,
+                                     stp_scene_add_material(scene, &added, &gltf->default_material))
                    : STP_OK;
 }
 

@@ -444,8 +444,7 @@ static stp_result hide(maker* m)
     const uint8_t* of_tags = m->source->front_only;
     uint8_t* front_only =
         of_tags != NULL ? STP_NEW_ARRAY(m->context, uint8_t, (size_t)count + 1) : NULL;
-    bool enough =
-        indices != NULL && sides != NULL && (of_tags == NULL || front_only != NULL);
+    bool enough = indices != NULL && sides != NULL && (of_tags == NULL || front_only != NULL);
     stp_result result = enough ? STP_OK : stp_fail_memory(m->context);
     for (uint32_t i = 0, at = 0; i < m->next_count && result == STP_OK; ++i) {
         const stp_level_cluster* c = &g->clusters[m->next[i]];
@@ -457,8 +456,9 @@ static stp_result hide(maker* m)
         at += c->triangle_count;
     }
     if (result == STP_OK) {
-        result = stp_find_seen_sides(m->context, g->positions, g->vertex_count, indices, count,
-                                     &(stp_seen_desc){VIEWS, choose_pixels(count), front_only}, sides);
+        result =
+            stp_find_seen_sides(m->context, g->positions, g->vertex_count, indices, count,
+                                &(stp_seen_desc){VIEWS, choose_pixels(count), front_only}, sides);
     }
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         hidden += (sides[i] & STP_SEEN_FRONT) == 0 ? 1 : 0;

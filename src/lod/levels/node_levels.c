@@ -21,7 +21,7 @@ typedef struct welded {
     uint32_t* indices;
     uint32_t* tags; ///< materials
     uint8_t* locked;
-    uint8_t* front_only; ///< per material; NULL: none of those used
+    uint8_t* front_only;     ///< per material; NULL: none of those used
     float *colors, *spreads; ///< NULL: each material has one colour
     uint32_t* slots;         ///< hash table: 1 + vertex
     uint32_t slot_mask;
@@ -281,8 +281,8 @@ stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* p
         }
     }
     stp_level_graph_destroy(scene->context, &graph);
-    void* arrays[] = {w.positions, w.indices, w.tags, w.locked,
-                      w.colors,    w.spreads, w.slots,  w.front_only};
+    void* arrays[] = {w.positions, w.indices, w.tags,  w.locked,
+                      w.colors,    w.spreads, w.slots, w.front_only};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(scene->context, arrays[i]);
     }

@@ -99,7 +99,8 @@ static stp_result check_materials(const stp_store_validator* validator,
                                 validator->path, i, uses[k]->texture, uses[k]->texcoord);
             }
         }
-        if ((material->flags & ~(uint32_t)STP_SHADING_FRONT_ONLY) > 3 || (uint32_t)material->alpha > STP_STORE_BLEND) {
+        if ((material->flags & ~(uint32_t)STP_SHADING_FRONT_ONLY) > 3 ||
+            (uint32_t)material->alpha > STP_STORE_BLEND) {
             return stp_fail(
                 validator->context, validator->failure,
                 "%s: material %u: flags %#x, alpha mode %u are not defined in this version",

@@ -292,8 +292,7 @@ static stp_result write_sides(stp_store_writing* w)
     stp_store_sides* records = NULL;
     stp_result result = stp_store_sides_of_content(w->context, w->content, &records);
     if (result == STP_OK) {
-        result =
-            write_table(w, STP_SECTION_SIDES, records, d->material_count + d->shading_count);
+        result = write_table(w, STP_SECTION_SIDES, records, d->material_count + d->shading_count);
     }
     stp_free(w->context, records);
     return result;
