@@ -90,7 +90,7 @@ static const drawing_row rows[] = {
                 .rare = true},
      .offset = PLACE(style.back_faces),
      .key = "back_faces",
-     .panel = DRAWING_PANEL_LIGHT,
+     .panel = DRAWING_PANEL_SIDES,
      .label = "Back faces",
      .tooltip = "Draws the backs of single-sided materials, too: shows parts with inverted faces"},
     {.option = {.name = "ghost-share",
