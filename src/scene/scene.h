@@ -280,7 +280,7 @@ STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source*
 STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source,
                                                         const char* text);
 
-/// glTF's default material: white, fully metallic and rough, opaque, one-sided.
+/// glTF's default material: white, fully metallic and rough, opaque; but drawn from both sides.
 stp_material stp_material_default(void);
 stp_texture_use stp_texture_use_none(void);
 
