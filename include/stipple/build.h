@@ -57,7 +57,7 @@ typedef struct stp_material_desc {
     const stp_image* picture;
     float alpha_cutoff; ///< above 0: parts with less opacity are cut out
     bool transparent;   ///< opacity below 1 is blended
-    bool double_sided; ///< recorded; changes no picture
+    bool double_sided;  ///< recorded; changes no picture
     bool unlit;
     /// Bytes from the start of a row of `picture` to that of the next, at least 4 * width; 0:
     /// 4 * width.
