@@ -61,6 +61,7 @@ RECORDS = {
     43: ("level_clusters", "3I", "made_by used_by one_sided"),
     44: ("level_groups", "5f", "center:3 radius error"),
     45: ("level_figures", "3Q", "levels triangles bytes"),
+    46: ("sides", "2IQ", "flags inverted triangles"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -239,6 +240,9 @@ def check_graph(header, t):
     need(counts["certainty"] in (0, counts["surfels"]), "certainty")
     for i, certainty in enumerate(t["certainty"]):
         need(certainty["flags"] <= 1 and certainty["position_error"] >= 0, f"splat set {i}: certainty")
+    need(counts["sides"] in (0, counts["materials"] + counts["shadings"]), "sides")
+    for i, sides in enumerate(t["sides"]):
+        need(sides["flags"] <= 1, f"sides {i}: flags")
     for i, leaves in enumerate(t["leaves"]):
         leaves["set"] = t["surfels"][i]
         need(leaves["leaf_count"] > 0 or leaves["block"] == NONE, f"splat set {i}: a block without leaves")

@@ -44,7 +44,7 @@ STP_API void stp_builder_destroy(stp_builder* builder);
 /// @return STP_OK, STP_ERROR_ARGUMENT (already written), STP_ERROR_OUT_OF_MEMORY
 STP_API STP_MUST_USE stp_result stp_builder_add_file(stp_builder* builder, const char* path);
 
-/// Appearance of a surface. All zero: white, rough, opaque, one-sided.
+/// Appearance of a surface, which is drawn from both sides. All zero: white, rough, opaque.
 typedef struct stp_material_desc {
     size_t struct_size;
     const char* name;
@@ -57,7 +57,7 @@ typedef struct stp_material_desc {
     const stp_image* picture;
     float alpha_cutoff; ///< above 0: parts with less opacity are cut out
     bool transparent;   ///< opacity below 1 is blended
-    bool double_sided;
+    bool double_sided;  ///< recorded; changes no picture
     bool unlit;
     /// Bytes from the start of a row of `picture` to that of the next, at least 4 * width; 0:
     /// 4 * width.

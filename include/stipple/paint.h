@@ -87,6 +87,8 @@ typedef struct stp_paint_desc {
     /// Bytes from the start of a row of the caller's pixels to that of the next, at least
     /// 4 * width; 0: 4 * width. The bytes between rows stay as they are.
     size_t stride;
+    /// Draws the backs of single-sided materials of glTF files, too.
+    bool back_faces;
 } stp_paint_desc;
 
 typedef struct stp_paint_report {

@@ -212,7 +212,7 @@ static void put_material(json_writer* w, const stp_material* m)
     if (m->alpha_mode != STP_ALPHA_OPAQUE) {
         put(w, ",\"alphaMode\":\"%s\"", m->alpha_mode == STP_ALPHA_MASK ? "MASK" : "BLEND");
     }
-    put(w, m->double_sided ? ",\"doubleSided\":true}" : "}");
+    put(w, m->front_only ? "}" : ",\"doubleSided\":true}"); // else its backs would vanish
 }
 
 static void put_primitive(json_writer* w, uint32_t index)

@@ -359,7 +359,8 @@ static bool pick(session* s)
 {
     double place[2];
     (void)pick_read_place(args.pick, place);
-    s->picked = pick_describe(&s->drawing.show, &s->view, place);
+    s->picked =
+        pick_describe(&s->drawing.show, &s->view, args.draw.settings.style.back_faces, place);
     return s->picked != NULL;
 }
 

@@ -17,7 +17,7 @@ static struct {
     uint32_t size[2];
     int backend, gl_splats, method;
     double budget_ms, scale;
-    bool software, has_method, has_splats;
+    bool software, has_method, has_splats, back_faces, has_back_faces;
     uint64_t splats, threads, memory;
     point_color_options colors;
     model_axes axes;
@@ -26,7 +26,7 @@ static struct {
 
 static const option* options(void)
 {
-    static option table[36];
+    static option table[40];
     static const option list[] = {
         {.name = "view",
          .type = OPTION_TEXT,
@@ -64,6 +64,15 @@ static const option* options(void)
          .value = &args.method,
          .given = &args.has_method},
         OPTION_CUES(&args.cues),
+        {.name = "back-faces",
+         .type = OPTION_SWITCH,
+         .argument = "on|off",
+         .words = "off|on",
+         .help = "draw the backs of single-sided materials of glTF files; default as in the last "
+                 "session",
+         .value = &args.back_faces,
+         .given = &args.has_back_faces,
+         .rare = true},
         OPTION_POINT_SIZE(&args.point_size, "as in the last session"),
         {.name = "ui-scale",
          .type = OPTION_NUMBER,
@@ -129,6 +138,8 @@ static int run(int argc, char** argv)
     viewer_options o = {.colors = args.colors,
                         .point_size = size,
                         .has_point_size = args.point_size != NULL,
+                        .back_faces = args.back_faces,
+                        .has_back_faces = args.has_back_faces,
                         .files = (const char* const*)argv,
                         .file_count = (size_t)argc,
                         .up = model_axes_up(&args.axes),

@@ -23,6 +23,7 @@ typedef enum drawing_panel {
     DRAWING_PANEL_SPLAT_SIZE,
     DRAWING_PANEL_OVERLAPS,
     DRAWING_PANEL_SECTION,
+    DRAWING_PANEL_SIDES,
 } drawing_panel;
 
 enum { DRAWING_WORDS = 4 };

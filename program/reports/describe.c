@@ -12,6 +12,7 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
         .format_version = stp_store_format_version(store),
         .format_minor = stp_store_format_minor(store),
         .position_error = stp_store_position_error(store),
+        .sides = stp_store_get_side_figures(store),
     };
     const stp_store_level_figures* levels = stp_store_get_level_figures(store);
     figures->levels = levels != NULL ? *levels : (stp_store_level_figures){0};
@@ -33,7 +34,9 @@ stp_result describe_content(stp_context* context, const stp_store_content* conte
     for (uint32_t i = 0; i < content->directory.source_count; ++i) {
         figures->file_bytes += content->directory.sources[i].bytes;
     }
-    return stp_store_summarise_content(context, content, &figures->summary);
+    stp_result result = stp_store_side_figures_of_content(context, content, &figures->sides);
+    return result == STP_OK ? stp_store_summarise_content(context, content, &figures->summary)
+                            : result;
 }
 
 void describe_destroy(scene_figures* figures)

@@ -4,6 +4,7 @@
 // built.
 #pragma once
 
+#include "store/file/sides.h"
 #include "store/writer/writer.h"
 
 #include <jansson.h>
@@ -18,6 +19,7 @@ typedef struct scene_figures {
     uint32_t format_version, format_minor; ///< 0: not a .stip
     stp_store_level_figures levels;        ///< levels of triangles
     bool has_level_figures;                ///< false: an early file of version 1.3, without them
+    stp_store_side_figures sides;          ///< what is drawn from the front only
     double position_error; ///< maximum error of a .stip's points, scene units; 0: unknown or none
 } scene_figures;
 

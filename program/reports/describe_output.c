@@ -182,6 +182,9 @@ json_t* describe_json(const scene_figures* f)
     set_level_figures(json, f);
     set_count(json, "materials", f->summary.material_count);
     set_count(json, "textures", f->summary.texture_count);
+    set_count(json, "single_sided_materials", f->sides.materials);
+    set_count(json, "single_sided_triangles", f->sides.triangles);
+    set_count(json, "inverted_meshes", f->sides.inverted);
     char up[2] = {d->up, 0};
     (void)json_object_set_new(json, "bounds", bounds_json(&f->summary));
     (void)json_object_set_new(json, "unit", unit_json(d->unit_metres));
@@ -351,6 +354,20 @@ static void print_levels(const stp_store_level_figures* levels)
     }
 }
 
+static void print_sides(const stp_store_side_figures* sides)
+{
+    char triangles[32], count[32];
+    if (sides->triangles != 0) {
+        printf("  %-12s %10s  triangles of %s single-sided materials: drawn from the front only\n",
+               "one side", describe_count(sides->triangles, triangles),
+               describe_count(sides->materials, count));
+    }
+    if (sides->inverted != 0) {
+        printf("  %-12s %10s  closed meshes face inwards: --back-faces on shows their outside\n",
+               "inverted", describe_count(sides->inverted, count));
+    }
+}
+
 void describe_print(const char* path, const scene_figures* f)
 {
     const stp_store_figures* figures = &f->summary.figures;
@@ -369,6 +386,7 @@ void describe_print(const char* path, const scene_figures* f)
     print_count("nodes", figures->nodes, figures->unique_nodes);
     print_count("instances", figures->instances, figures->instances);
     print_count("materials", f->summary.material_count, f->summary.material_count);
+    print_sides(&f->sides);
     print_bytes("splats", figures->splat_bytes, figures->unique_surfels, "splat");
     print_bytes("geometry", figures->triangle_bytes, figures->unique_triangles, "triangle");
     print_levels(&f->levels);

@@ -117,9 +117,11 @@ static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pi
     return json;
 }
 
-json_t* pick_describe(scene_show* show, const stp_view* view, const double place[2])
+json_t* pick_describe(scene_show* show, const stp_view* view, bool back_faces,
+                      const double place[2])
 {
-    stp_pick_desc desc = {.sections = &view->sections, .visibility = show->visibility};
+    stp_pick_desc desc = {
+        .sections = &view->sections, .visibility = show->visibility, .back_faces = back_faces};
     stp_pick pick;
     double base, slope;
     stp_pixel_width(view, &base, &slope);

@@ -27,8 +27,10 @@ int find_print(stp_context* context, stp_store* store, const char* text, bool as
 /// Reads two numbers separated by a comma. @return false on a syntax error
 bool pick_read_place(const char* text, double place[2]);
 
-/// Reports the original triangles or points at a pixel. NULL on failure: logged or printed.
-json_t* pick_describe(scene_show* show, const stp_view* view, const double place[2]);
+/// Reports the original triangles or points at a pixel; `back_faces` as in stp_pick_desc. NULL on
+/// failure: logged or printed.
+json_t* pick_describe(scene_show* show, const stp_view* view, bool back_faces,
+                      const double place[2]);
 
 // The output of `stipple info` for a point file.
 

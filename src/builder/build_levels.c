@@ -307,7 +307,8 @@ static uint32_t find_material(const run* r, uint8_t shading, uint32_t of_shading
             .metallic = from->metallic,
             .roughness = from->roughness,
             .emissive = {from->emissive[0], from->emissive[1], from->emissive[2]},
-            .flags = from->flags & (STP_SHADING_UNLIT | STP_SHADING_DOUBLE_SIDED),
+            .flags = from->flags &
+                     (STP_SHADING_UNLIT | STP_SHADING_DOUBLE_SIDED | STP_SHADING_FRONT_ONLY),
             .base_color_texture = none,
             .metallic_roughness_texture = none,
             .emissive_texture = none,

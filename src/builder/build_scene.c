@@ -9,6 +9,7 @@
 #include "builder/nodes.h"
 #include "builder/set_plan.h"
 #include "builder/writer_input.h"
+#include "scene/looks.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -236,9 +237,14 @@ static uint64_t largest_step(const stp_build_plan* plan)
 static stp_result plan_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
-    stp_result result = stp_make_shadings(b->scene, &b->shadings);
+    stp_result result = stp_scene_find_looks(b->scene);
+    result = result == STP_OK ? stp_make_shadings(b->scene, &b->shadings) : result;
     if (result != STP_OK) {
         return result;
+    }
+    for (uint32_t i = 0; i < b->shadings.count; ++i) {
+        b->scene->front_only_shadings[i] =
+            (b->shadings.shadings[i].flags & STP_SHADING_FRONT_ONLY) != 0;
     }
     stp_build_plan_desc plan = {
         .blue = &desc->blue,

@@ -3,6 +3,7 @@
 
 #include "base/core/saturate.h"
 #include "scene/finish_steps.h"
+#include "scene/looks.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -319,6 +320,14 @@ static stp_hash hash_options(const planning* p)
     return stp_hash_bytes(hash, numbers, sizeof(numbers));
 }
 
+/// Adds the shading of a material, or of a variant of one.
+static stp_hash hash_shading(const planning* p, stp_hash hash, uint32_t material)
+{
+    uint8_t shading = p->desc->shading_of_material[material];
+    hash = stp_hash_bytes(hash, &shading, 1);
+    return stp_hash_bytes(hash, &p->desc->shadings[shading].flags, sizeof(uint32_t));
+}
+
 static stp_hash hash_shadings(const planning* p, const stp_node* node)
 {
     const stp_scene* scene = p->scene;
@@ -327,9 +336,13 @@ static stp_hash hash_shadings(const planning* p, const stp_node* node)
         stp_part part = scene->node_parts[node->first_part + i];
         uint32_t material = part.kind == STP_PART_MESH ? scene->meshes[part.index].material
                                                        : scene->point_sets[part.index].material;
-        uint8_t shading = p->desc->shading_of_material[material];
-        hash = stp_hash_bytes(hash, &shading, 1);
-        hash = stp_hash_bytes(hash, &p->desc->shadings[shading].flags, sizeof(uint32_t));
+        hash = hash_shading(p, hash, material);
+        uint32_t name = part.kind == STP_PART_MESH ? scene->materials[material].look : 0;
+        const stp_look* look = name != 0 ? &scene->looks[name - 1] : NULL;
+        uint32_t variants = look != NULL ? look->surface.count * look->glow.count : 0;
+        for (uint32_t k = 0; k < variants; ++k) {
+            hash = hash_shading(p, hash, stp_look_index(scene, look, 0, 0) + k);
+        }
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = scene->edges[node->first_edge + i].node;

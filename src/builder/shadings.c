@@ -3,6 +3,7 @@
 
 #include "base/io/hash.h"
 #include "base/math/color.h"
+#include "scene/looks.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -16,7 +17,8 @@ typedef struct texture_mean {
 typedef struct reduction {
     const stp_scene* scene;
     texture_mean* means;
-    stp_shading* exact; ///< shading of each scene material
+    size_t count;       ///< materials, and then their variants (scene/looks.h)
+    stp_shading* exact; ///< shading of each
     bool* used;
     float* distance; ///< from each material's shading to the nearest chosen one
 } reduction;
@@ -65,7 +67,19 @@ static stp_shading make_shading(const reduction* r, const stp_material* material
     }
     shading.flags = (material->unlit ? STP_SHADING_UNLIT : 0u) |
                     (material->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u) |
+                    (material->front_only ? STP_SHADING_FRONT_ONLY : 0u) |
                     (material->alpha_mode == STP_ALPHA_BLEND ? STP_SHADING_TRANSPARENT : 0u);
+    return shading;
+}
+
+/// The shading of a variant: with values of its own, in place of means.
+static stp_shading make_variant(const reduction* r, uint32_t variant)
+{
+    stp_variant v = stp_scene_get_variant(r->scene, variant);
+    stp_shading shading = r->exact[v.material];
+    shading.metallic = v.metallic;
+    shading.roughness = v.roughness;
+    memcpy(shading.emissive, v.emissive, sizeof(shading.emissive));
     return shading;
 }
 
@@ -79,6 +93,9 @@ static void mark_used(reduction* r)
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         assert(scene->point_sets[i].material < scene->material_count);
         r->used[scene->point_sets[i].material] = true;
+    }
+    for (size_t i = scene->material_count; i < r->count; ++i) {
+        r->used[i] = true; // triangles have its material
     }
 }
 
@@ -97,6 +114,7 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     uint32_t flags = a->flags ^ b->flags;
     sum += (flags & STP_SHADING_UNLIT) != 0 ? 16.0f : 0.0f;
     sum += (flags & STP_SHADING_TRANSPARENT) != 0 ? 16.0f : 0.0f;
+    sum += (flags & STP_SHADING_FRONT_ONLY) != 0 ? 16.0f : 0.0f;
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
@@ -135,7 +153,7 @@ static stp_shading make_unused(void)
 static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
 {
     size_t used = 0;
-    for (size_t i = 0; i < r->scene->material_count; ++i) {
+    for (size_t i = 0; i < r->count; ++i) {
         if (r->used[i]) {
             stp_hash hash = stp_hash_bytes((stp_hash){0}, &r->exact[i], sizeof(r->exact[i]));
             places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i};
@@ -179,7 +197,7 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
 // several), until all are covered or the table is full.
 static void choose_shadings(reduction* r, stp_shading_set* set)
 {
-    size_t count = r->scene->material_count, next = 0;
+    size_t count = r->count, next = 0;
     assert(count > STP_SHADING_LIMIT && "fewer shadings have exact places");
     set->count = 0;
     while (next < count && !r->used[next]) {
@@ -215,9 +233,9 @@ static void choose_shadings(reduction* r, stp_shading_set* set)
 stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
 {
     stp_context* context = scene->context;
-    size_t count = scene->material_count;
+    size_t count = scene->material_count + scene->variant_count;
     *set = (stp_shading_set){0};
-    reduction r = {.scene = scene};
+    reduction r = {.scene = scene, .count = count};
     r.means = STP_NEW_ARRAY(context, texture_mean, scene->texture_count);
     r.exact = STP_NEW_ARRAY(context, stp_shading, count);
     r.used = STP_NEW_ZEROED(context, bool, count);
@@ -228,8 +246,11 @@ stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
                 r.distance != NULL && set->of_material != NULL;
     if (made) {
         stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
-        for (size_t i = 0; i < count; ++i) {
+        for (size_t i = 0; i < scene->material_count; ++i) {
             r.exact[i] = make_shading(&r, &scene->materials[i]);
+        }
+        for (uint32_t i = 0; i < scene->variant_count; ++i) {
+            r.exact[scene->material_count + i] = make_variant(&r, i);
         }
         mark_used(&r);
         if (!place_shadings(&r, places, set)) {

@@ -11,11 +11,13 @@ enum { STP_SHADING_LIMIT = 256 };
 typedef struct stp_shading_set {
     uint32_t count; ///< at least 1
     stp_shading shadings[STP_SHADING_LIMIT];
-    uint8_t* of_material; ///< index for each scene material (stp_free)
+    /// Index for each scene material, then for each of their variants (scene/looks.h); stp_free
+    uint8_t* of_material;
 } stp_shading_set;
 
 /// Exact if the used materials need at most 256 shadings. Then the content of a shading determines
 /// its index, so it stays the same when others are added or removed, unless two collide; some
 /// indices may be unused. Otherwise selects the 256 most different ones, and maps each material to
-/// the nearest. Textures of metallic, roughness and emission count by their mean.
+/// the nearest. Textures of metallic, roughness and emission count by their mean; the variants of a
+/// material by their own values.
 STP_MUST_USE stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set);

@@ -161,7 +161,9 @@ static bool convert_materials(stp_build_content* c, const stp_scene* scene,
             .alpha_cutoff = m->alpha_cutoff,
             .alpha = (stp_store_alpha)m->alpha_mode,
             .flags = (m->unlit ? STP_SHADING_UNLIT : 0u) |
-                     (m->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u),
+                     (m->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u) |
+                     (m->front_only ? STP_SHADING_FRONT_ONLY : 0u),
+            .inverted = m->inverted,
             .base_color_texture = convert_use(&m->base_color_texture),
             .metallic_roughness_texture = convert_use(&m->metallic_roughness_texture),
             .emissive_texture = convert_use(&m->emissive_texture),

@@ -271,6 +271,7 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
 {
     if (desc->textures != NULL) {
         job->pyramids = desc->textures->pyramids;
+        job->surfaces = desc->textures->surfaces;
         return STP_OK;
     }
     const stp_scene* scene = job->scene;
@@ -283,6 +284,7 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
         }
     }
     job->pyramids = *own != NULL ? (*own)->pyramids : NULL;
+    job->surfaces = *own != NULL ? (*own)->surfaces : NULL;
     return result;
 }
 

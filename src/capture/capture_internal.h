@@ -18,6 +18,7 @@ enum {
 struct stp_capture_textures {
     const stp_scene* scene;
     stp_texture_pyramid* pyramids; ///< one per texture; without levels if unused
+    stp_texture_pyramid* surfaces; ///< the same of textures of roughness and metal: linear
 };
 
 /// A parallel projection in pixels: x = right . p + shift_x, y = down . p + shift_y.
@@ -54,6 +55,7 @@ typedef struct stp_capture_job {
     _Atomic uint32_t* seen; ///< one bit per splat
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< per texture
+    const stp_texture_pyramid* surfaces; ///< likewise, of roughness and metal
     /// Primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
     uint64_t ids_per_pass;
     uint32_t view_count;
@@ -156,7 +158,7 @@ stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_materia
 
 STP_MUST_USE stp_result stp_capture_textures_create_empty(const stp_scene* scene,
                                                           stp_capture_textures** textures);
-/// Makes the mip levels of a material's base colour unless they exist.
+/// Makes the mip levels of a material's textures unless they exist.
 STP_MUST_USE stp_result stp_capture_textures_add(stp_capture_textures* textures,
                                                  const stp_material* material);
 

@@ -8,6 +8,7 @@
 #include "raster/triangles.h"
 
 #include <assert.h>
+#include <string.h>
 
 /// Pixels worth testing to save one triangle.
 #define PIXELS_PER_TRIANGLE 4.0
@@ -60,6 +61,17 @@ static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t e
     double first = low > 0.0 ? (double)(uint64_t)low : 0.0;
     first = first < low ? first + 1.0 : first;
     return first <= high;
+}
+
+/// How the corners of fronts turn in the picture (stp_raster_mesh.facing): counter-clockwise to the
+/// viewer, so clockwise where the axes of the picture are mirrored.
+static int32_t front_turn(const part_projection* p)
+{
+    stp_affine turn = {0};
+    for (int r = 0; r < 3; ++r) {
+        memcpy(turn.m[r], p->row[r], sizeof(p->row[r]));
+    }
+    return -stp_affine_front_turn(&turn);
 }
 
 /// Nearness of the nearest corner of a part's box, an upper bound for drawn pixels.
@@ -143,6 +155,7 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
         .offset = {projection->offset.x, projection->offset.y, projection->offset.z},
         .keep = kind == MASK_ASK ? keep_masked : NULL,
         .keep_user = &mask,
+        .facing = mask.material->front_only ? front_turn(projection) : 0,
     };
     return stp_raster_triangles_in_band(target, band->row_begin, &matrix, 4.0f, &drawn,
                                         (uint32_t)(job->first_primitives[part] - pass_begin),

@@ -2,6 +2,7 @@
 // Second half of a capture: from covered pixels to candidates.
 #include "base/math/color.h"
 #include "capture/capture_internal.h"
+#include "scene/looks.h"
 
 #include <assert.h>
 #include <string.h>
@@ -173,6 +174,53 @@ static float texture_footprint(const seen_triangle* t, const stp_texture_pyramid
     return longer < 65536.0 ? (float)longer : 65536.0f;
 }
 
+/// Reads a texture at the pixel. @return false if the mesh lacks its coordinates
+static bool sample(const stp_mesh* mesh, const stp_texture_use* use,
+                   const stp_texture_pyramid* pyramid, const seen_triangle* t, stp_vec2* at,
+                   float texel[4])
+{
+    double uv[3][2], u = 0.0, v = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        if (!stp_capture_texcoord(mesh, use, t->corner[k], uv[k])) {
+            return false;
+        }
+        u += t->weight[k] * uv[k][0];
+        v += t->weight[k] * uv[k][1];
+    }
+    *at = (stp_vec2){(float)u, (float)v};
+    stp_texture_sample(pyramid, *at, texture_footprint(t, pyramid, uv), texel);
+    return true;
+}
+
+/// The material, or its variant that has the roughness, metal and emission there.
+static uint32_t triangle_material(const stp_capture_job* job, const current_part* part,
+                                  const seen_triangle* t)
+{
+    const stp_material* material = &job->scene->materials[part->material];
+    if (material->look == 0) {
+        return part->material;
+    }
+    const stp_look* look = &job->scene->looks[material->look - 1];
+    const stp_texture_use *surface = &material->metallic_roughness_texture,
+                          *glow = &material->emissive_texture;
+    uint32_t bins[2] = {0, 0};
+    float texel[4];
+    stp_vec2 at;
+    if (look->surface.count > 1) {
+        if (!sample(part->mesh, surface, &job->surfaces[surface->texture], t, &at, texel)) {
+            return part->material;
+        }
+        bins[0] = stp_look_surface_bin(look, texel[2], texel[1]);
+    }
+    if (look->glow.count > 1) {
+        if (!sample(part->mesh, glow, &job->pyramids[glow->texture], t, &at, texel)) {
+            return part->material;
+        }
+        bins[1] = stp_look_glow_bin(look, texel);
+    }
+    return stp_look_index(job->scene, look, bins[0], bins[1]);
+}
+
 static void triangle_color(const stp_capture_job* job, const current_part* part,
                            const seen_triangle* t, float color[4])
 {
@@ -197,18 +245,11 @@ static void triangle_color(const stp_capture_job* job, const current_part* part,
         return;
     }
     const stp_texture_pyramid* pyramid = &job->pyramids[use->texture];
-    double uv[3][2];
-    double u = 0.0, v = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        if (!stp_capture_texcoord(mesh, use, t->corner[k], uv[k])) {
-            return;
-        }
-        u += t->weight[k] * uv[k][0];
-        v += t->weight[k] * uv[k][1];
-    }
-    stp_vec2 at = {(float)u, (float)v};
     float texel[4];
-    stp_texture_sample(pyramid, at, texture_footprint(t, pyramid, uv), texel);
+    stp_vec2 at;
+    if (!sample(mesh, use, pyramid, t, &at, texel)) {
+        return;
+    }
     if (material->alpha_mode == STP_ALPHA_BLEND) { // as the mask read it
         texel[3] = stp_texture_sample_alpha(pyramid, at);
     }
@@ -268,6 +309,7 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
         position = stp_addd(position, stp_scaled(t.position[k], t.weight[k]));
     }
     store(out, i, position, triangle_normal(view, part, &t));
+    out->materials[i] = triangle_material(job, part, &t);
     uint8_t* bytes = out->colors + 4 * i;
     if (part->plain) {
         memcpy(bytes, part->color, sizeof(part->color));
@@ -312,8 +354,8 @@ static void resolve_entries(const resolve_state* state, const stp_capture_band* 
             resolve_triangle(job, view, part, within, band->pixels[i], state->out, candidate);
         } else {
             resolve_point(job, view, part, within, state->out, candidate);
+            state->out->materials[candidate] = part->material;
         }
-        state->out->materials[candidate] = part->material;
     }
 }
 

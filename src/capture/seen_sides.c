@@ -38,7 +38,7 @@ typedef struct seen_view {
 /// Per-thread state.
 typedef struct seen_worker {
     stp_arena scratch;
-    uint64_t* pixels; ///< of the picture, and of that from behind
+    uint64_t* pixels; ///< of the pictures (count_pictures): the first one's, and then others
     uint8_t* sides;   ///< per triangle: sides seen by this thread
 } seen_worker;
 
@@ -56,7 +56,11 @@ typedef struct seen_job {
     /// own vertices, so that they follow each other
     float* drawn_positions;
     uint32_t* drawn_indices;
-    uint32_t drawn_count; ///< vertices
+    uint32_t drawn_count;      ///< vertices
+    const uint8_t* front_only; ///< as in the desc
+    /// Of the drawn triangles; NULL: the same. Those drawn from both sides come first
+    uint32_t* numbers;
+    uint32_t two_sided; ///< how many they are
     seen_worker* workers;
     atomic_bool failed;
 } seen_job;
@@ -105,6 +109,26 @@ static void find_normals(const seen_job* job, stp_vec3* normals)
     }
 }
 
+/// Puts triangles that are drawn from both sides before the others. @return false if out of memory
+static bool order_triangles(seen_job* job)
+{
+    job->two_sided = job->triangle_count;
+    if (job->front_only == NULL) {
+        return true;
+    }
+    uint32_t at = 0;
+    job->numbers = STP_NEW_ARRAY(job->context, uint32_t, job->triangle_count);
+    for (int pass = 0; pass < 2 && job->numbers != NULL; ++pass) {
+        for (uint32_t t = 0; t < job->triangle_count; ++t) {
+            if ((job->front_only[t] != 0) == (pass == 1)) {
+                job->numbers[at++] = t;
+            }
+        }
+        job->two_sided = pass == 0 ? at : job->two_sided;
+    }
+    return job->numbers != NULL;
+}
+
 /// Copies the mesh as it is drawn. @return false if out of memory
 static bool copy_mesh(seen_job* job)
 {
@@ -113,12 +137,14 @@ static bool copy_mesh(seen_job* job)
     uint32_t* copies = STP_NEW_ARRAY(job->context, uint32_t, job->vertex_count);
     job->drawn_positions = STP_NEW_ARRAY(job->context, float, 3 * corners);
     job->drawn_indices = STP_NEW_ARRAY(job->context, uint32_t, corners);
-    bool enough = copies != NULL && job->drawn_positions != NULL && job->drawn_indices != NULL;
+    bool enough = copies != NULL && job->drawn_positions != NULL && job->drawn_indices != NULL &&
+                  order_triangles(job);
     for (uint32_t v = 0; v < job->vertex_count && enough; ++v) {
         copies[v] = UINT32_MAX;
     }
     for (size_t i = 0; i < corners && enough; ++i) {
-        uint32_t v = job->indices[i];
+        size_t t = job->numbers != NULL ? job->numbers[i / 3] : i / 3;
+        uint32_t v = job->indices[3 * t + i % 3];
         first = i % (3 * (size_t)COPIED) == 0 ? job->drawn_count : first;
         if (copies[v] == UINT32_MAX || copies[v] < first) {
             const float* p = job->positions + 3 * (size_t)v;
@@ -165,12 +191,15 @@ static size_t count_pixels(const seen_job* job)
     return side * side;
 }
 
-/// Draws the view, and that from behind after it.
-static stp_result draw(const seen_job* job, const seen_view* view, seen_worker* worker)
+/// Pictures of a view: the view, that from behind as the last, and between them one whose content
+/// does not matter, if some triangles are drawn from the front only.
+static size_t count_pictures(const seen_job* job)
 {
-    size_t pixel_count = (size_t)view->width * view->height;
-    assert(pixel_count <= count_pixels(job));
-    memset(worker->pixels, 0xFF, 2 * pixel_count * sizeof(uint64_t));
+    return job->front_only != NULL ? 3 : 2;
+}
+
+static stp_raster_matrix make_matrix(const seen_job* job, const seen_view* view)
+{
     stp_vec3d depth = stp_scaled(view->toward, 0.4 / stp_lengthd(job->half_extent));
     const stp_vec3d axes[3] = {view->right, view->down, depth};
     const double shifts[3] = {view->shift_x, view->shift_y, 0.5};
@@ -181,17 +210,49 @@ static stp_result draw(const seen_job* job, const seen_view* view, seen_worker* 
         matrix.m[r][2] = (float)axes[r].z;
         matrix.m[r][3] = (float)shifts[r];
     }
+    return matrix;
+}
+
+/// Draws `count` triangles from `first` on, of those the ones of a facing (stp_raster_mesh), into a
+/// picture, and `behind` pictures farther into that from behind.
+static stp_result draw_some(const seen_job* job, const seen_view* view, uint32_t first,
+                            uint32_t count, int32_t facing, size_t picture, size_t behind,
+                            seen_worker* worker)
+{
+    size_t pixel_count = (size_t)view->width * view->height;
+    assert(picture + behind < count_pictures(job));
+    stp_raster_matrix matrix = make_matrix(job, view);
     stp_raster_target target = {.width = view->width,
                                 .height = view->height,
                                 .stride = view->width,
-                                .pixels = worker->pixels};
+                                .pixels = worker->pixels + picture * pixel_count};
     stp_raster_mesh mesh = {.positions = job->drawn_positions,
                             .vertex_count = job->drawn_count,
-                            .indices = job->drawn_indices,
-                            .triangle_count = job->triangle_count,
-                            .behind = pixel_count};
-    return stp_raster_triangles(&target, 0, view->height, &matrix, 1.0f, &mesh, 0,
-                                &worker->scratch);
+                            .indices = job->drawn_indices + 3 * (size_t)first,
+                            .triangle_count = count,
+                            .numbers = job->numbers != NULL ? job->numbers + first : NULL,
+                            .facing = facing,
+                            .behind = behind * pixel_count};
+    return count == 0 ? STP_OK
+                      : stp_raster_triangles(&target, 0, view->height, &matrix, 1.0f, &mesh, 0,
+                                             &worker->scratch);
+}
+
+/// Draws the view, and that from behind. @param culls without backs of triangles whose backs are not
+/// drawn
+static stp_result draw(const seen_job* job, const seen_view* view, bool culls, seen_worker* worker)
+{
+    size_t pixel_count = (size_t)view->width * view->height, last = count_pictures(job) - 1;
+    assert(pixel_count <= count_pixels(job));
+    memset(worker->pixels, 0xFF, (last + 1) * pixel_count * sizeof(uint64_t));
+    if (!culls) {
+        return draw_some(job, view, 0, job->triangle_count, 0, 0, last, worker);
+    }
+    uint32_t first = job->two_sided, count = job->triangle_count - first;
+    stp_result result = draw_some(job, view, 0, first, 0, 0, last, worker);
+    // rows go down: the corners of fronts turn the other way
+    result = result == STP_OK ? draw_some(job, view, first, count, -1, 0, 0, worker) : result;
+    return result == STP_OK ? draw_some(job, view, first, count, 1, 1, last - 1, worker) : result;
 }
 
 /// Whether the centre of a pixel is clearly within a triangle whose given side faces the viewer of
@@ -248,7 +309,8 @@ static bool prepare_worker(const seen_job* job, seen_worker* worker)
 {
     if (worker->scratch.context == NULL) {
         worker->scratch = stp_arena_create(job->context, 4096);
-        worker->pixels = STP_NEW_ARRAY(job->context, uint64_t, 2 * count_pixels(job));
+        worker->pixels =
+            STP_NEW_ARRAY(job->context, uint64_t, count_pictures(job) * count_pixels(job));
         worker->sides = STP_NEW_ZEROED(job->context, uint8_t, job->triangle_count);
     }
     return worker->pixels != NULL && worker->sides != NULL;
@@ -260,13 +322,16 @@ static void look(size_t begin, size_t end, uint32_t worker_index, void* user)
     seen_worker* worker = &job->workers[worker_index];
     for (size_t i = begin; i < end && !atomic_load(&job->failed); ++i) {
         seen_view view = make_view(job, job->directions[i]);
-        if (!prepare_worker(job, worker) || draw(job, &view, worker) != STP_OK) {
-            atomic_store(&job->failed, true);
-            return;
+        for (int pass = 0; pass < (job->front_only != NULL ? 2 : 1); ++pass) {
+            if (!prepare_worker(job, worker) || draw(job, &view, pass == 1, worker) != STP_OK) {
+                atomic_store(&job->failed, true);
+                return;
+            }
+            size_t last = count_pictures(job) - 1;
+            const uint64_t* behind = worker->pixels + last * (size_t)view.width * view.height;
+            mark_seen(job, &view, worker->pixels, false, worker);
+            mark_seen(job, &view, behind, true, worker);
         }
-        const uint64_t* behind = worker->pixels + (size_t)view.width * view.height;
-        mark_seen(job, &view, worker->pixels, false, worker);
-        mark_seen(job, &view, behind, true, worker);
     }
 }
 
@@ -377,6 +442,7 @@ stp_result stp_find_seen_sides(stp_context* context, const float* positions, uin
                     .indices = indices,
                     .vertex_count = vertex_count,
                     .triangle_count = triangle_count,
+                    .front_only = desc->front_only,
                     .resolution = desc->resolution > 0 ? desc->resolution : DEFAULT_RESOLUTION};
     assert(count % 2 == 0 && count > 26 && "half of the directions are opposite to the others");
     assert(job.resolution <= STP_SEEN_RESOLUTION_MAX && triangle_count < UINT32_MAX);
@@ -406,6 +472,7 @@ stp_result stp_find_seen_sides(stp_context* context, const float* positions, uin
     stp_free(context, normals);
     stp_free(context, job.drawn_positions);
     stp_free(context, job.drawn_indices);
+    stp_free(context, job.numbers);
     stp_free(context, job.workers);
     return enough ? complete(&job, sides) : stp_fail_memory(context);
 }

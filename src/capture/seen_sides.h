@@ -23,6 +23,9 @@ typedef struct stp_seen_desc {
     /// Smaller openings may be missed. A running task needs about 16 resolution^2 bytes, a call up
     /// to 48 bytes a triangle.
     uint32_t resolution;
+    /// NULL, or one per triangle: not 0 if its back is not drawn. Sides then count as seen if they
+    /// are where backs hide what is behind them, or where those of such triangles do not.
+    const uint8_t* front_only;
 } stp_seen_desc;
 
 /// Finds the sides that can be seen. `positions`: 3 per vertex, finite, in any unit; welded, so

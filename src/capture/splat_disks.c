@@ -15,6 +15,10 @@
 #define RIM_DEPTH 0.5f
 #define BACK_DEPTH 2.0f
 
+// Disks of front-only materials are left out where they face away by more than this sine, as the
+// renderers do (draw/facing.h).
+#define BACK_SINE 0.25
+
 #define CHUNK 2048u          // splats transformed at a time
 #define SIMILAR 1e-4         // tolerance for rotation plus uniform scale
 #define PIXELS_PER_SPLAT 4.0 // pixels worth testing to save one splat
@@ -148,17 +152,59 @@ static stp_raster_camera make_camera(const stp_capture_view* view, const stp_aff
     return camera;
 }
 
+static bool may_drop_backs(const stp_capture_job* job, const stp_placed_set* placed)
+{
+    const bool* front_only = job->scene->front_only_shadings;
+    bool any = false;
+    for (size_t i = 0; i < sizeof(job->scene->front_only_shadings) && !any; ++i) {
+        any = front_only[i];
+    }
+    return any && !placed->unknown_signs;
+}
+
+// Finds the splats [begin, end) that are drawn, one bit each. @return NULL, if all are; sets
+// `enough` to false if memory is short
+static const uint16_t* find_fronts(const stp_capture_job* job, const stp_capture_view* view,
+                                   const stp_placed_set* placed, const stp_set_placing* placing,
+                                   uint32_t begin, uint32_t end, stp_arena* scratch, bool* enough)
+{
+    if (!may_drop_backs(job, placed)) {
+        return NULL;
+    }
+    uint16_t* fronts = STP_ARENA_ARRAY(scratch, uint16_t, (size_t)(end - begin) / 16 + 1);
+    *enough = fronts != NULL;
+    if (fronts == NULL) {
+        return NULL;
+    }
+    memset(fronts, 0, ((size_t)(end - begin) / 16 + 1) * sizeof(*fronts));
+    for (uint32_t i = begin; i < end; ++i) {
+        bool drops = job->scene->front_only_shadings[placed->splats->materials[i]] &&
+                     stp_dotd(stp_set_normal(placing, i), view->toward) < -BACK_SINE;
+        fronts[(i - begin) / 16] |= (uint16_t)((drops ? 0u : 1u) << (i - begin) % 16);
+    }
+    return fronts;
+}
+
 // Draws a set under a similarity transform without copying it.
-static void draw_similar(const stp_capture_job* job, const stp_capture_band* band, size_t set,
-                         const set_projection* projection, const stp_raster_target* target,
-                         uint32_t first_id)
+static stp_result draw_similar(const stp_capture_job* job, const stp_capture_band* band, size_t set,
+                               const set_projection* projection, const stp_raster_target* target,
+                               uint32_t first_id, stp_arena* scratch)
 {
     const stp_placed_set* placed = &job->sets[set];
     const stp_splats* from = placed->splats;
     stp_set_entries look = stp_set_entries_of(from, placed->prefix);
     stp_raster_camera camera =
         make_camera(&job->views[band->view], &projection->placement, projection->origin);
+    stp_arena_mark mark = stp_arena_get_mark(scratch);
+    stp_set_placing placing = stp_set_placing_make(from, &projection->placement);
+    bool enough = true;
+    const uint16_t* fronts = find_fronts(job, &job->views[band->view], placed, &placing, 0,
+                                         placed->prefix, scratch, &enough);
+    if (!enough) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
     stp_raster_splats splats = {.positions = from->positions,
+                                .wanted = fronts,
                                 .normals = from->normals,
                                 .end = placed->prefix,
                                 .step = from->step,
@@ -167,6 +213,8 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
                                 .back_depth = placed->unknown_signs ? 0.0f : BACK_DEPTH,
                                 .coverages = from->coverages + look.first};
     stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats, first_id);
+    stp_arena_rewind(scratch, mark);
+    return STP_OK;
 }
 
 // Draws a set under a non-uniform transform, splat by splat. Disks stay round; their radius uses
@@ -196,8 +244,15 @@ static stp_result draw_stretched(const stp_capture_job* job, const stp_capture_b
             stp_octahedral_encode(stp_to_float(stp_set_normal(&placing, begin + i)),
                                   normals + 2 * (size_t)i);
         }
+        bool enough = true;
+        const uint16_t* fronts = find_fronts(job, &job->views[band->view], placed, &placing, begin,
+                                             begin + count, scratch, &enough);
+        if (!enough) {
+            return STP_ERROR_OUT_OF_MEMORY;
+        }
         stp_raster_splats splats = {
             .points = points,
+            .wanted = fronts,
             .normals = normals,
             .end = count,
             .radius = (float)((double)placed->radius * stp_affine_stretch(&placed->transform)),
@@ -252,7 +307,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
             continue;
         }
         if (is_similar(&projection.placement)) {
-            draw_similar(job, band, set, &projection, &picture, id);
+            result = draw_similar(job, band, set, &projection, &picture, id, scratch);
         } else {
             result = draw_stretched(job, band, set, &projection, &picture, id, scratch);
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Material inputs of a capture: texture coordinates, alpha, and mip levels of base colours.
+// Material inputs of a capture: texture coordinates, alpha, and mip levels of textures.
 #include "capture/capture_internal.h"
+#include "scene/looks.h"
 
 #include <assert.h>
 
@@ -30,12 +31,8 @@ static const stp_texture* used_texture(const stp_scene* scene, const stp_texture
     return texture->texels != NULL && texture->width != 0 && texture->height != 0 ? texture : NULL;
 }
 
-stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_material* material)
+static stp_texture_pyramid level0_of(const stp_texture* texture)
 {
-    const stp_texture* texture = used_texture(scene, &material->base_color_texture);
-    if (texture == NULL) {
-        return (stp_texture_pyramid){0};
-    }
     static const stp_texture_wrap wraps[] = {
         [STP_WRAP_REPEAT] = STP_TEXTURE_REPEAT,
         [STP_WRAP_CLAMP] = STP_TEXTURE_CLAMP,
@@ -50,6 +47,12 @@ stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_materia
         .wrap_v = wraps[texture->wrap_v],
         .nearest = texture->nearest,
     };
+}
+
+stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_material* material)
+{
+    const stp_texture* texture = used_texture(scene, &material->base_color_texture);
+    return texture != NULL ? level0_of(texture) : (stp_texture_pyramid){0};
 }
 
 float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid* level0,
@@ -90,8 +93,10 @@ stp_result stp_capture_textures_create_empty(const stp_scene* scene,
         made->scene = scene;
         made->pyramids =
             STP_NEW_ZEROED(scene->context, stp_texture_pyramid, scene->texture_count + 1);
+        made->surfaces =
+            STP_NEW_ZEROED(scene->context, stp_texture_pyramid, scene->texture_count + 1);
     }
-    if (made == NULL || made->pyramids == NULL) {
+    if (made == NULL || made->pyramids == NULL || made->surfaces == NULL) {
         stp_capture_textures_destroy(made);
         return stp_fail_memory(scene->context);
     }
@@ -99,24 +104,39 @@ stp_result stp_capture_textures_create_empty(const stp_scene* scene,
     return STP_OK;
 }
 
-stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material)
+/// Makes the mip levels of a use's texture unless they exist.
+static stp_result add_use(const stp_capture_textures* textures, const stp_texture_use* use,
+                          bool linear, stp_texture_pyramid* pyramids)
 {
-    const stp_texture* texture = used_texture(textures->scene, &material->base_color_texture);
-    if (texture == NULL) {
+    const stp_texture* texture = used_texture(textures->scene, use);
+    if (texture == NULL || pyramids[use->texture].level_count != 0) {
         return STP_OK;
     }
-    stp_texture_pyramid* pyramid = &textures->pyramids[material->base_color_texture.texture];
-    if (pyramid->level_count != 0) {
-        return STP_OK;
-    }
-    stp_texture_pyramid level0 = stp_capture_level0(textures->scene, material);
-    assert(level0.level_count == 1 && "a texture is used");
-    stp_result result = stp_texture_pyramid_create(textures->scene->context, texture->texels,
-                                                   texture->width, texture->height, false, pyramid);
+    stp_texture_pyramid* pyramid = &pyramids[use->texture];
+    stp_texture_pyramid level0 = level0_of(texture);
+    stp_result result =
+        stp_texture_pyramid_create(textures->scene->context, texture->texels, texture->width,
+                                   texture->height, linear, pyramid);
     if (result == STP_OK) {
         pyramid->wrap_u = level0.wrap_u;
         pyramid->wrap_v = level0.wrap_v;
         pyramid->nearest = level0.nearest;
+    }
+    return result;
+}
+
+stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material)
+{
+    stp_result result = add_use(textures, &material->base_color_texture, false, textures->pyramids);
+    if (material->look == 0) {
+        return result;
+    }
+    const stp_look* look = &textures->scene->looks[material->look - 1];
+    if (result == STP_OK && look->surface.count > 1) {
+        result = add_use(textures, &material->metallic_roughness_texture, true, textures->surfaces);
+    }
+    if (result == STP_OK && look->glow.count > 1) {
+        result = add_use(textures, &material->emissive_texture, false, textures->pyramids);
     }
     return result;
 }
@@ -142,9 +162,12 @@ void stp_capture_textures_destroy(stp_capture_textures* textures)
         return;
     }
     stp_context* context = textures->scene->context;
-    for (size_t i = 0; textures->pyramids != NULL && i < textures->scene->texture_count; ++i) {
-        stp_texture_pyramid_destroy(context, &textures->pyramids[i]);
+    stp_texture_pyramid* both[] = {textures->pyramids, textures->surfaces};
+    for (int k = 0; k < 2; ++k) {
+        for (size_t i = 0; both[k] != NULL && i < textures->scene->texture_count; ++i) {
+            stp_texture_pyramid_destroy(context, &both[k][i]);
+        }
+        stp_free(context, both[k]);
     }
-    stp_free(context, textures->pyramids);
     stp_free(context, textures);
 }

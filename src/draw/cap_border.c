@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/math/rng.h"
+#include "base/math/closed_surface.h"
 #include "draw/caps_internal.h"
 
 #include <assert.h>
@@ -60,18 +60,6 @@ void stp_cap_border_destroy(stp_cap_border* b)
     }
 }
 
-uint64_t stp_cap_hash_corner(const float p[3])
-{
-    uint64_t hash = 11;
-    for (int k = 0; k < 3; ++k) {
-        float x = p[k] + 0.0f; // -0 is 0
-        uint32_t bits;
-        memcpy(&bits, &x, sizeof(bits));
-        hash = stp_rng_hash(hash, bits);
-    }
-    return hash;
-}
-
 static stp_result keep_edge(stp_cap_border* b, const edge* e)
 {
     assert(b->second && "the first pass keeps no edges");
@@ -113,7 +101,7 @@ stp_result stp_cap_border_add(stp_cap_border* b, const float* const corners[3])
     uint64_t hash[3];
     stp_vec3d p[3];
     for (int k = 0; k < 3; ++k) {
-        hash[k] = stp_cap_hash_corner(corners[k]);
+        hash[k] = stp_corner_hash(corners[k]);
         p[k] = (stp_vec3d){(double)corners[k][0], (double)corners[k][1], (double)corners[k][2]};
     }
     if (!b->second) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// A surface is closed if its border is empty. Each directed edge adds a random number of the edge,
-// or subtracts it for the other direction. The sum is zero if all edges cancel; for an open surface
-// that happens with probability 2^-64. So edges need not be stored, and the sums of pieces add up
-// to the sum of the whole. A mesh that fails this test is tested for cracks (caps_internal.h).
+// A mesh is solid if its surface is closed (base/math/closed_surface.h), perhaps together with other
+// pieces of it. A mesh that fails this test is tested for cracks (caps_internal.h).
 #include "base/core/context.h"
 #include "base/io/hash.h"
+#include "base/math/closed_surface.h"
 #include "base/math/math.h"
 #include "base/math/rng.h"
 #include "draw/caps_internal.h"
@@ -22,11 +21,6 @@ typedef struct piece {
     uint64_t key; ///< hash of name and material
     uint32_t mesh;
 } piece;
-
-typedef struct border {
-    uint64_t sum;
-    double volume; ///< six times the signed volume
-} border;
 
 struct stp_cap_solids {
     stp_context* context;
@@ -133,25 +127,8 @@ stp_result stp_cap_visit(stp_store* store, uint32_t mesh, const stp_cap_visitor*
 
 static stp_result add_triangle(void* user, const float* const corners[3])
 {
-    border* b = user;
-    uint64_t hash[3];
-    stp_vec3d p[3];
-    for (int k = 0; k < 3; ++k) {
-        hash[k] = stp_cap_hash_corner(corners[k]);
-        p[k] = (stp_vec3d){(double)corners[k][0], (double)corners[k][1], (double)corners[k][2]};
-    }
-    for (int k = 0; k < 3; ++k) {
-        uint64_t from = hash[k], to = hash[(k + 1) % 3];
-        uint64_t number = stp_rng_hash(from + to, from ^ to);
-        b->sum += from < to ? number : from > to ? (uint64_t)0 - number : 0;
-    }
-    b->volume += stp_dotd(p[0], stp_crossd(p[1], p[2]));
+    stp_closed_surface_add(user, corners);
     return STP_OK;
-}
-
-static int side_of(const border* b)
-{
-    return b->sum != 0 || b->volume == 0.0 ? 0 : b->volume > 0.0 ? 1 : -1;
 }
 
 /// Index of the first piece whose key is at least `key`; mesh_count: none.
@@ -207,7 +184,7 @@ static stp_result check_pieces(stp_cap_solids* s, uint32_t mesh)
 {
     uint64_t key = key_of(stp_store_describe_mesh(s->store, mesh));
     uint32_t first = find_pieces(s, key), count = 0;
-    border whole = {0};
+    stp_closed_surface whole = {0};
     stp_cap_visitor visitor = {.take = add_triangle, .user = &whole};
     stp_result result = STP_OK;
     for (; first + count < s->mesh_count && s->pieces[first + count].key == key; ++count) {
@@ -215,7 +192,7 @@ static stp_result check_pieces(stp_cap_solids* s, uint32_t mesh)
                                   : result;
     }
     assert(count > 0 && "a mesh is a piece of its own key");
-    int side = side_of(&whole);
+    int side = stp_closed_surface_side(&whole);
     if (result == STP_OK && side == 0) {
         const piece own = {key, mesh};
         result = check_cracks(s, &own, 1, &side);
@@ -239,11 +216,11 @@ stp_result stp_cap_solids_side(stp_cap_solids* s, uint32_t mesh, int* side)
     assert(mesh < s->mesh_count);
     stp_result result = STP_OK;
     if (s->sides[mesh] == NOT_ASKED) {
-        border own = {0};
+        stp_closed_surface own = {0};
         stp_cap_visitor visitor = {.take = add_triangle, .user = &own};
         result = stp_cap_visit(s->store, mesh, &visitor);
-        if (result == STP_OK && side_of(&own) != 0) {
-            s->sides[mesh] = (int8_t)side_of(&own);
+        if (result == STP_OK && stp_closed_surface_side(&own) != 0) {
+            s->sides[mesh] = (int8_t)stp_closed_surface_side(&own);
         } else if (result == STP_OK) {
             result = check_pieces(s, mesh);
         }

@@ -50,9 +50,6 @@ void stp_cap_border_turn(stp_cap_border* border);
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_border_side(stp_cap_border* border, int* side);
 
-/// Hash of a position; -0 equals 0.
-uint64_t stp_cap_hash_corner(const float p[3]);
-
 // Which meshes are closed, and their orientation: determined when a section first cuts one, and
 // cached.
 

@@ -79,6 +79,7 @@ stp_result stp_painter_read_options(const stp_painter* painter, const stp_paint_
                               .ambient_occlusion = desc->ambient_occlusion,
                               .ghost = desc->ghost,
                               .caps = desc->caps,
+                              .back_faces = desc->back_faces,
                               .coloring = (stp_draw_coloring)desc->coloring,
                               .elevation = {desc->elevation[0], desc->elevation[1]}};
     memcpy(style->background_color, desc->background_color, sizeof(style->background_color));

@@ -101,6 +101,7 @@ stp_hash stp_material_hash(const stp_scene* scene, const stp_material* material)
         material->emissive[0],   material->emissive[1],
         material->emissive[2],   masked ? material->alpha_cutoff : 0.0f,
     };
+    head[2] |= material->front_only ? 2u : 0u;
     stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
     hash = hash_floats(hash, numbers, sizeof(numbers) / sizeof(numbers[0]));
     hash = hash_texture_use(hash, scene, &material->base_color_texture);

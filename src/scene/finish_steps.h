@@ -58,5 +58,10 @@ stp_hash stp_node_hash(const stp_scene* scene, const stp_node* node);
 /// share a vertex array.
 void stp_mesh_measure(stp_mesh* mesh);
 
+/// Counts the closed meshes of each front-only material that face inwards, and warns of them: from
+/// outside, a part would vanish. After materials are merged.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_scene_find_inverted(stp_scene* scene);
+
 /// Sets bounds, counts and area of a node from those of its parts and children.
 void stp_node_measure(const stp_scene* scene, stp_node* node);

@@ -64,7 +64,8 @@ void stp_scene_destroy(stp_scene* scene)
     stp_content_table_destroy(context, &scene->spilled);
     void* arrays[] = {scene->meshes,  scene->point_sets, scene->materials, scene->textures,
                       scene->objects, scene->parts,      scene->instances, scene->views,
-                      scene->sources, scene->nodes,      scene->edges,     scene->node_parts};
+                      scene->sources, scene->nodes,      scene->edges,     scene->node_parts,
+                      scene->looks};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(context, arrays[i]);
     }

@@ -56,6 +56,10 @@ typedef struct stp_material {
     float alpha_cutoff;
     stp_alpha_mode alpha_mode;
     bool double_sided, unlit;
+    bool front_only; ///< backs are not drawn: single-sided, from a format in which that culls
+    /// Meshes of it that are closed and whose fronts face inwards; set by stp_scene_finish
+    uint32_t inverted;
+    uint32_t look; ///< 1 + index in scene->looks; 0: without variants; by stp_scene_find_looks
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
@@ -184,6 +188,8 @@ typedef struct stp_damage {
     uint32_t dropped; ///< its dropped triangles or points
 } stp_damage;
 
+typedef struct stp_look stp_look; // scene/looks.h
+
 typedef struct stp_scene {
     stp_context* context;
     stp_arena text; ///< names and ids live here
@@ -214,6 +220,12 @@ typedef struct stp_scene {
     uint64_t spill_above;
     uint64_t bulk_bytes;       ///< size of meshes, point sets and textures in memory
     stp_content_table spilled; ///< by content: spilled meshes, point sets and textures
+
+    /// Per shading (builder/shadings.h): whether its splats are seen from the front only. Set before
+    /// splats are made.
+    bool front_only_shadings[256];
+    stp_look* looks; ///< by stp_scene_find_looks
+    uint32_t look_count, variant_count;
 
     double unit_metres; ///< length of one unit; 0 if unknown
     const char* up;     ///< the input's up axis, "x", "y" or "z", without sign: it was rotated to y
@@ -268,7 +280,7 @@ STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source*
 STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source,
                                                         const char* text);
 
-/// glTF's default material: white, fully metallic and rough, opaque, one-sided.
+/// glTF's default material: white, fully metallic and rough, opaque; but drawn from both sides.
 stp_material stp_material_default(void);
 stp_texture_use stp_texture_use_none(void);
 

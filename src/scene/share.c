@@ -269,7 +269,8 @@ stp_result stp_scene_finish(stp_scene* scene)
     }
     stp_parallel_for(scene->context, scene->mesh_count, 4, measure_meshes, scene);
     share s = {.scene = scene, .graph = {.scene = scene}};
-    result = make_graph(&s);
+    result = stp_scene_find_inverted(scene);
+    result = result == STP_OK ? make_graph(&s) : result;
     if (result == STP_OK) {
         warn_left_out(&s);
         stp_strays_report(scene);

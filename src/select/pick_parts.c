@@ -104,6 +104,7 @@ static bool counts(const stp_pick_work* work, double t, stp_vec3d place)
 /// Source of the corners that a mask needs: a cluster, or a mesh's columns.
 typedef struct mask_source {
     stp_pick_mask mask;
+    int32_t front; ///< how corners of triangles that are hit turn (stp_affine_front_turn); 0: any
     const stp_clusters* clusters;
     const stp_cluster* cluster;
     const stp_store_mesh* columns;
@@ -149,6 +150,14 @@ static bool is_opaque_at(const mask_source* source, const uint32_t vertices[3],
     return stp_pick_mask_has(&source->mask, corners, share);
 }
 
+/// Whether the side of a triangle that the ray meets is drawn. The axes across the ray are those of a
+/// picture whose rows go down.
+static bool is_shown(const mask_source* source, const corner* a, const corner* b, const corner* c)
+{
+    double turn = (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+    return source->front == 0 || (source->front > 0) == (turn > 0.0);
+}
+
 /// `vertices`: indices in the cluster or the columns.
 static void test_triangle(stp_pick_work* work, const corner* a, const corner* b, const corner* c,
                           const mask_source* source, const uint32_t vertices[3], uint32_t index,
@@ -156,8 +165,8 @@ static void test_triangle(stp_pick_work* work, const corner* a, const corner* b,
 {
     double t, share[3];
     work->pick->tests += 1;
-    if (intersects(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
-        is_opaque_at(source, vertices, share)) {
+    if (is_shown(source, a, b, c) && intersects(a, b, c, &t, share) &&
+        counts(work, t, point_at(&work->desc->ray, t)) && is_opaque_at(source, vertices, share)) {
         assert((!nearest->found || t < nearest->t) && "nearer than the last hit");
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;
@@ -238,12 +247,20 @@ static const stp_store_material* material_of(const stp_pick_work* work, uint32_t
     return &work->directory->materials[stp_store_describe_mesh(work->store, mesh)->material];
 }
 
+static int32_t front_of(const stp_pick_work* work, uint32_t mesh, const stp_affine* transform)
+{
+    const stp_pick_desc* desc = work->desc;
+    bool backs = desc->back_faces || (desc->sections != NULL && desc->sections->count > 0) ||
+                 (material_of(work, mesh)->flags & STP_SHADING_FRONT_ONLY) == 0;
+    return backs ? 0 : stp_affine_front_turn(transform);
+}
+
 /// Finds the nearest hit in a mesh's clusters, and its corners.
 static stp_result pick_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
                                 const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_clusters clusters;
-    mask_source source = {.clusters = &clusters};
+    mask_source source = {.clusters = &clusters, .front = front_of(work, mesh, transform)};
     stp_result result = stp_store_get_clusters(work->store, mesh, &clusters);
     if (result == STP_OK) {
         result = stp_pick_mask_make(work->store, material_of(work, mesh),
@@ -264,11 +281,11 @@ static stp_result pick_clusters(stp_pick_work* work, uint32_t mesh, const stp_af
 }
 
 /// The same for a mesh stored as columns.
-static stp_result pick_columns(stp_pick_work* work, uint32_t mesh, const ray_map* map,
-                               nearest_element* nearest, stp_vec3 corners[3])
+static stp_result pick_columns(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
+                               const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_store_mesh columns;
-    mask_source source = {.columns = &columns};
+    mask_source source = {.columns = &columns, .front = front_of(work, mesh, transform)};
     stp_result result = stp_store_get_mesh(work->store, mesh, &columns);
     if (result == STP_OK) {
         result = stp_pick_mask_make(work->store, material_of(work, mesh), columns.colors != NULL,
@@ -297,7 +314,7 @@ static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_
     stp_vec3 corners[3];
     stp_result result = stp_store_is_clustered(work->store, part.index)
                             ? pick_clusters(work, part.index, transform, map, &nearest, corners)
-                            : pick_columns(work, part.index, map, &nearest, corners);
+                            : pick_columns(work, part.index, transform, map, &nearest, corners);
     return result == STP_OK && nearest.found
                ? get_triangle(work, part, transform, &nearest, corners)
                : result;

@@ -28,6 +28,9 @@ typedef struct stp_pick_desc {
     const stp_sections* sections;     ///< optional; geometry they cut away is not hit
     const stp_visibility* visibility; ///< optional; hidden objects are not hit
     bool through_ghosts;              ///< ghosts are not hit either
+    /// Backs of single-sided materials (STP_SHADING_FRONT_ONLY) are hit. They are also while there
+    /// are sections: what a picture does not show is not hit.
+    bool back_faces;
     /// Points (of point sets) are hit within base + slope t of the ray, scene units; both 0: never.
     double point_base, point_slope;
 } stp_pick_desc;

@@ -246,6 +246,31 @@ void test_capture_thin_wall_has_two_sides(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_capture_sees_fronts_of_single_sided_surfaces(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    test_scene t = scene_over(context);
+    uint32_t square;
+    CHECK(add_square(&t, 3, 0, &square));
+    t.scene->materials[0].front_only = true;
+    place(&t, STP_PART_MESH, square, scaled_and_moved(5, 5, 1, 0, 0, 0));
+    place(&t, STP_PART_MESH, square, scaled_and_moved(-5, 5, 1, 11, 0, 0)); // mirrored
+    place(&t, STP_PART_MESH, square, scaled_and_moved(5, 5, -1, 0, 11, 0)); // seen from below
+    stp_candidates c;
+    CHECK_EQUAL(STP_OK, capture(&t, 10000, 0, &c));
+    CHECK(c.count > 3000);
+    uint32_t below = 0;
+    for (uint32_t i = 0; i < c.count; ++i) {
+        bool turned = candidate_position(&c, i).y + (float)c.origin.y > 5.5f;
+        below += turned ? 1 : 0;
+        CHECK(turned ? candidate_normal(&c, i).z < -0.9999f : candidate_normal(&c, i).z > 0.9999f);
+    }
+    CHECK(below > c.count / 4 && below < c.count / 2);
+    stp_candidates_destroy(context, &c);
+    stp_scene_destroy(t.scene);
+    stp_context_destroy(context);
+}
+
 /// A texture whose left half is red and opaque, and whose right half is blue with the given alpha.
 static bool add_halves(test_scene* t, uint8_t alpha, uint32_t* index)
 {

@@ -86,9 +86,11 @@ static void invert(void)
     }
 }
 
+static const uint8_t* front_only; ///< of the next search; NULL: no triangle
+
 static stp_result find_sides(stp_context* context, uint32_t resolution)
 {
-    stp_seen_desc desc = {.resolution = resolution};
+    stp_seen_desc desc = {.resolution = resolution, .front_only = front_only};
     memset(mesh.sides, 0xEE, sizeof(mesh.sides));
     return stp_find_seen_sides(context, mesh.positions, mesh.vertex_count, mesh.indices,
                                mesh.triangle_count, &desc, mesh.sides);
@@ -151,6 +153,36 @@ void test_seen_sides_of_open_surfaces_are_both(test_state* test)
     mesh.triangle_count = 2; // a sheet without thickness
     find(test);
     CHECK_EQUAL(2, count_sides(0, 2, STP_SEEN_FRONT | STP_SEEN_BACK));
+}
+
+// What only shows through backs that are not drawn is seen, too.
+void test_seen_sides_through_backs_that_are_not_drawn(test_state* test)
+{
+    static uint8_t of[MANY];
+    clear_mesh();
+    add_cube(0, 0, 0, 1); // its fronts face inwards
+    invert();
+    add_cube(0, 0, 0, 0.5f);
+    find(test);
+    CHECK_EQUAL(12, count_sides(0, 12, STP_SEEN_BACK));
+    CHECK_EQUAL(12, count_sides(12, 24, 0));
+    memset(of, 0, sizeof(of));
+    memset(of, 1, 12);
+    front_only = of;
+    find(test);
+    CHECK_EQUAL(12, count_sides(0, 12, STP_SEEN_FRONT | STP_SEEN_BACK));
+    CHECK_EQUAL(12, count_sides(12, 24, STP_SEEN_FRONT));
+    memset(of, 1, sizeof(of)); // the inner one, too: its fronts face the viewer
+    find(test);
+    CHECK_EQUAL(12, count_sides(0, 12, STP_SEEN_FRONT | STP_SEEN_BACK));
+    CHECK_EQUAL(12, count_sides(12, 24, STP_SEEN_FRONT));
+    clear_mesh();
+    add_cube(0, 0, 0, 1);
+    add_cube(0, 0, 0, 0.5f);
+    find(test); // closed and faces outwards: hides what is inside
+    CHECK_EQUAL(12, count_sides(0, 12, STP_SEEN_FRONT));
+    CHECK_EQUAL(12, count_sides(12, 24, 0));
+    front_only = NULL;
 }
 
 // A ball two pixels wide beside a cube: a pixel has more than a thousand triangles, and most win

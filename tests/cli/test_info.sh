@@ -170,4 +170,40 @@ for up in "" "--model-up z"; do
     [ "$(value flat.json covered_pixels)" -gt 0 ] || [ -n "$up" ] || fail "nothing is seen from the front"
 done
 cmp -s small.png small_z.png && fail "--model-up does not turn a model"
+
+# single-sided surfaces of glTF: a sheet, and a closed body whose fronts face inwards
+python3 << 'END'
+import base64, json, struct
+corners = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
+sheet, body = struct.pack("<6H", 0, 1, 2, 0, 1, 2), struct.pack("<12H", 0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2)
+data = corners + sheet + body
+views = [(0, 48), (48, 6), (60, 24)]
+json.dump({
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0}, {"mesh": 1, "translation": [5, 0, 0]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": i, "material": 0}]} for i in (1, 2)],
+    "materials": [{"name": "paint"}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0],
+                   "max": [1, 1, 1]}] +
+                 [{"bufferView": i, "componentType": 5123, "count": n, "type": "SCALAR"} for i, n in ((1, 3), (2, 12))],
+    "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in views],
+    "buffers": [{"byteLength": len(data), "uri": "data:;base64," + base64.b64encode(data).decode()}],
+}, open("sides.gltf", "w"))
+END
+"$stipple" build sides.gltf -o sides.stip > /dev/null 2> err || fail "sides.gltf"
+grep -q 'face inwards, and only their inside is drawn: 1' err || fail "inverted: $(cat err)"
+for file in sides.gltf sides.stip; do
+    run 0 info $file
+    grep -q 'one side  *5  triangles of 1 single-sided materials' out || fail "sides of $file: $(cat out)"
+    grep -q 'inverted  *1  closed meshes face inwards: --back-faces on shows' out || fail "inverted in $file: $(cat out)"
+    run 0 info $file --json
+    [ "$(value out single_sided_triangles) $(value out inverted_meshes)" = "5 1" ] || fail "sides of $file: $(cat out)"
+done
+sheet=(-q render sides.stip -o sheet.png --size 16x16 --ortho 1 --once --json)
+"$stipple" "${sheet[@]}" --eye 0.2,0.2,5 --target 0.2,0.2,0 > sheet.json || fail "front"
+[ "$(value sheet.json covered_pixels)" -gt 50 ] || fail "the front of a sheet is not drawn"
+"$stipple" "${sheet[@]}" --eye 0.2,0.2,-5 --target 0.2,0.2,0 > sheet.json 2> /dev/null || fail "back"
+[ "$(value sheet.json covered_pixels)" = 0 ] || fail "the back of a single-sided sheet is drawn"
+"$stipple" "${sheet[@]}" --eye 0.2,0.2,-5 --target 0.2,0.2,0 --back-faces on > sheet.json || fail "--back-faces"
+[ "$(value sheet.json covered_pixels)" -gt 50 ] || fail "--back-faces on draws no backs"
 exit $((failures != 0))

@@ -33,7 +33,8 @@ def read(name):
     data = open(name, "rb").read()
     return read_store.read_tables(read_store.read_sections(data, read_store.read_header(data)))
 direct, file = read("direct.stip"), read("file.stip")
-used = lambda store: {tuple(sorted((k, str(v)) for k, v in store["materials"][i].items()))
+# a file says double-sided of all that is drawn from both sides; the flag changes no picture
+used = lambda store: {tuple(sorted((k, str(v & ~2 if k == "flags" else v)) for k, v in store["materials"][i].items()))
                       for i in {mesh["material"] for mesh in store["meshes"]}}
 assert used(direct) and used(direct) == used(file), "materials"
 # shared groups are written out under the names of their users, and cameras are separate nodes

@@ -58,6 +58,48 @@ void test_gltf_reads_material_factors(test_state* test)
     CHECK_EQUAL(STP_NONE, m->base_color_texture.texture);
     CHECK(m[1].alpha_mode == STP_ALPHA_BLEND && m[1].metallic == 1.0f && !m[1].unlit);
     CHECK(m[2].base_color[1] == 0.0f && m[2].metallic == 0.0f && m[2].roughness == 0.75f);
+    CHECK(!run.scene->materials[0].front_only && !m->front_only && m[1].front_only);
+    gltf_run_end(&run);
+}
+
+// Single-sided unless it says otherwise; points have no sides.
+void test_gltf_materials_have_sides(test_state* test)
+{
+    // a closed tetrahedron, its fronts outwards; then inwards
+    static const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint16_t indices[2][12] = {{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3},
+                                            {0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2}};
+    unsigned char bin[sizeof(corners) + sizeof(indices)];
+    memcpy(bin, corners, sizeof(corners));
+    memcpy(bin + sizeof(corners), indices, sizeof(indices));
+    gltf_run run;
+    gltf_run_glb(&run,
+                 "{" GLTF_ASSET ",'buffers':[{'byteLength':96}],'bufferViews':["
+                 "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':24},"
+                 "{'buffer':0,'byteOffset':72,'byteLength':24}],'accessors':["
+                 "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','min':[0,0,0],"
+                 "'max':[1,1,1]},{'bufferView':1,'componentType':5123,'count':12,'type':'SCALAR'},"
+                 "{'bufferView':2,'componentType':5123,'count':12,'type':'SCALAR'}],'materials':["
+                 "{'name':'sheet'},{'doubleSided':true,'name':'both'},{'name':'dots'}],'meshes':["
+                 "{'name':'skin','primitives':["
+                 "{'attributes':{'POSITION':0},'indices':1,'material':0},"
+                 "{'attributes':{'POSITION':0},'indices':2,'material':1},"
+                 "{'attributes':{'POSITION':0},'mode':0,'material':2},"
+                 "{'attributes':{'POSITION':0},'indices':2}]}],"
+                 "'nodes':[{'mesh':0}],'scenes':[{'nodes':[0]}],'scene':0}",
+                 bin, sizeof(bin));
+    CHECK_EQUAL(STP_OK, run.result);
+    CHECK_EQUAL(5, run.scene->material_count); // and that of triangles without one
+    const stp_material* m = run.scene->materials;
+    CHECK(!m[0].front_only && m[1].front_only && !m[2].front_only && !m[3].front_only);
+    CHECK(m[4].front_only && !m[4].double_sided);
+    CHECK_EQUAL(STP_OK, stp_scene_finish(run.scene));
+    uint32_t inverted = 0;
+    for (size_t i = 0; i < run.scene->material_count; ++i) {
+        inverted += run.scene->materials[i].inverted;
+    }
+    CHECK_EQUAL(1, inverted); // two-sided ones do not count
+    CHECK(strstr(run.log.warning, "face inwards, and only their inside is drawn: 1") != NULL);
     gltf_run_end(&run);
 }
 

@@ -135,18 +135,18 @@ void test_viewer_explorer_picks_what_is_shown(test_state* test)
     stp_pick pick, behind;
     stp_view view = {
         .eye = {0.1, 0.1, 20}, .up = {0, 1, 0}, .fov_degrees = 40, .width = 100, .height = 100};
-    CHECK(explorer_pick(e, &view, 50.5, 50.5, &pick));
+    CHECK(explorer_pick(e, &view, false, 50.5, 50.5, &pick));
     explorer_choose_picked(e, &pick);
     stp_boxd box;
     CHECK(e->chosen.depth > 0 && explorer_chosen_box(e, &box));
     CHECK(pick.position.z <= box.max.z + 1e-4 && pick.position.z >= box.min.z - 1e-4);
     stp_outline_item chosen = e->chosen;
     explorer_mark_item(e, &chosen, EXPLORER_HIDDEN);
-    CHECK(explorer_pick(e, &view, 50.5, 50.5, &behind)); // through hidden parts
+    CHECK(explorer_pick(e, &view, false, 50.5, 50.5, &behind)); // through hidden parts
     CHECK(behind.distance > pick.distance + 0.1);
     explorer_choose_picked(e, &behind);
     CHECK(!explorer_is_same(&e->chosen, &chosen));
-    CHECK(!explorer_pick(e, &view, 0.5, 0.5, &pick));
+    CHECK(!explorer_pick(e, &view, false, 0.5, 0.5, &pick));
     explorer_choose_picked(e, NULL);
     CHECK(e->chosen.depth == 0 && !explorer_chosen_box(e, &box));
     close_boxes(e, path);

@@ -280,9 +280,11 @@ const char* explorer_path_above(explorer* e, const stp_outline_item* item, char*
     return text;
 }
 
-bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pick* pick)
+bool explorer_pick(explorer* e, const stp_view* view, bool back_faces, double x, double y,
+                   stp_pick* pick)
 {
-    stp_pick_desc desc = {.sections = &view->sections, .visibility = e->visibility};
+    stp_pick_desc desc = {
+        .sections = &view->sections, .visibility = e->visibility, .back_faces = back_faces};
     pick->hit = false;
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return false;

@@ -109,8 +109,9 @@ const char* explorer_label(explorer* e, const stp_outline_item* item, stp_outlin
 const char* explorer_path_above(explorer* e, const stp_outline_item* item, char* text, size_t size);
 bool explorer_is_same(const stp_outline_item* a, const stp_outline_item* b);
 
-/// Finds what is at a pixel of a view. @return whether anything is
-bool explorer_pick(explorer* e, const stp_view* view, double x, double y, stp_pick* pick);
+/// Finds what is at a pixel of a view; `back_faces` as in stp_pick_desc. @return whether anything is
+bool explorer_pick(explorer* e, const stp_view* view, bool back_faces, double x, double y,
+                   stp_pick* pick);
 /// Selects the picked part (NULL: none) and expands the tree down to it.
 void explorer_choose_picked(explorer* e, const stp_pick* pick);
 void explorer_choose(explorer* e, const stp_outline_item* item, bool reveals);

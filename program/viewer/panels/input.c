@@ -94,7 +94,8 @@ static void click(viewer* v, float x, float y)
                     v->picture->scene == v->scene->serial && v->explorer != NULL;
     if (of_scene) {
         const stp_view* view = &v->picture->view;
-        (void)explorer_pick(v->explorer, view, (double)((x - a.x) / a.width) * (double)view->width,
+        (void)explorer_pick(v->explorer, view, v->settings.drawing.style.back_faces,
+                            (double)((x - a.x) / a.width) * (double)view->width,
                             (double)((y - a.y) / a.height) * (double)view->height, &pick);
     }
     if (v->measure.on) {

@@ -182,6 +182,7 @@ static void show_advanced(viewer* v)
     viewer_settings_set_detail(s, detail);
     show_methods(v);
     drawing_controls_show(v, DRAWING_PANEL_OVERLAPS);
+    drawing_controls_show(v, DRAWING_PANEL_SIDES);
     gui_disable(splats_count(v) > 0);
     gui_check("Foveated", &s->fovea,
               "Larger splats away from the picture's centre, if they are drawn by size");

@@ -411,6 +411,9 @@ static void set_options(viewer* v)
         v->settings.point_metres = fixed && metres ? width : v->settings.point_metres;
         v->settings.point_pixels = fixed && !metres ? width : v->settings.point_pixels;
     }
+    if (o->has_back_faces) {
+        v->settings.drawing.style.back_faces = o->back_faces;
+    }
     quality->method = o->method != 0 ? o->method : quality->method;
     v->shows_panels = true;
     v->measure.snaps = true;

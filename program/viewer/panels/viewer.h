@@ -25,7 +25,8 @@ typedef struct viewer_options {
     uint32_t splat_count;       ///< number of splats; 0: as in the last session
     point_color_options colors; ///< initial colours of points
     cloud_point_size point_size;
-    bool has_point_size; ///< else as in the last session
+    bool has_point_size;             ///< else as in the last session
+    bool back_faces, has_back_faces; ///< else as in the last session
     uint32_t thread_count;
     uint64_t memory_limit;
     const char* report; ///< path of the JSON state report; NULL: none

@@ -208,6 +208,14 @@ static inline double stp_affine_determinant(const stp_affine* a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
+/// How the corners of a triangle's front turn in a picture whose rows go down, if they turn
+/// counter-clockwise before the transform: -1 counter-clockwise, 1 clockwise. 0: it is flat.
+static inline int32_t stp_affine_front_turn(const stp_affine* a)
+{
+    double determinant = stp_affine_determinant(a);
+    return determinant > 0.0 ? -1 : determinant < 0.0 ? 1 : 0;
+}
+
 /// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
 /// stp_affine_stretch is tighter and slower.
 static inline double stp_affine_scale(const stp_affine* a)

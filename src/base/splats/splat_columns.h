@@ -152,6 +152,8 @@ enum {
     STP_SHADING_DOUBLE_SIDED = 2,
     /// The material is blended: coverage is opacity, not holes; since format 1.2
     STP_SHADING_TRANSPARENT = 4,
+    /// Backs are not drawn, as for single-sided materials of glTF. In files by a section of its own.
+    STP_SHADING_FRONT_ONLY = 8,
 };
 
 /// Material that a splat's material byte refers to; at most 256 per file.

@@ -30,6 +30,7 @@ static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, cons
                             .indices = b->indices,
                             .triangle_count = b->triangle_count,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                            .facing = stp_cpu_item_facing(r, item),
                             .fragments = &worker->fragments};
     if (keep->section_mask != 0 || stp_cpu_item_needs_keep(item)) {
         keep->first_triangle = b->first_triangle;

@@ -12,6 +12,7 @@
 #include "base/core/jobs.h"
 #include "base/io/hash.h"
 #include "draw/caps.h"
+#include "draw/facing.h"
 #include "draw/placement.h"
 #include "draw/renderer.h"
 #include "draw/transparency.h"
@@ -217,6 +218,8 @@ typedef struct stp_cpu_renderer {
     stp_cpu_blend blend;
     stp_caps* caps; ///< NULL until a style needs them
     stp_cpu_layers layers;
+    stp_front_only front_only;               ///< which splat shadings are drawn from the front only
+    uint8_t front_only_shadings[256];        ///< one each
     float decode[256];                       ///< sRGB byte to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3];     ///< read in fours
     stp_cpu_shade_material* shade_materials; ///< see stp_cpu_make_shade_materials
@@ -373,9 +376,11 @@ void stp_cpu_find_sections(const stp_cpu_renderer* r, const stp_cpu_item* item,
 /// `mask`.
 bool stp_cpu_sections_drop(const stp_cpu_sections* sections, const stp_cpu_item* item, stp_box box,
                            uint32_t* mask);
+/// Whether splats of an item that face away are left out.
+bool stp_cpu_drops_backs(const stp_cpu_renderer* r, const stp_cpu_item* item);
 /// Whether an item may have splats or points of hidden classes.
 bool stp_cpu_hides_some(const stp_cpu_renderer* r, const stp_cpu_item* item);
-/// Filters splats by their centres: drops those that are cut away or hidden, and thins those of a
+/// Filters splats: drops those that are cut away, hidden or face away, and thins those of a
 /// ghost. Sets `wanted`, in the worker's scratch memory, and `share`. @return false if out of
 /// memory
 bool stp_cpu_filter_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
@@ -425,6 +430,13 @@ static inline void stp_cpu_count_triangles(const stp_cpu_renderer* r, const stp_
 }
 
 bool stp_cpu_item_needs_keep(const stp_cpu_item* item);
+/// Which triangles of a mesh item are drawn (stp_raster_mesh.facing).
+int32_t stp_cpu_item_facing(const stp_cpu_renderer* r, const stp_cpu_item* item);
+/// Whether backs are drawn whatever the materials say.
+static inline bool stp_cpu_draws_backs(const stp_cpu_renderer* r)
+{
+    return stp_draws_backs(r->style, r->sections);
+}
 /// Share of a ghost's pixels that is drawn.
 static inline float stp_cpu_ghost_share(const stp_cpu_renderer* r)
 {

@@ -300,6 +300,7 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     r->store = store;
     r->directory = stp_store_get_directory(store);
     r->layers.possible = stp_transparency_of_scene(r->directory);
+    r->front_only = stp_front_only_of_shadings(r->directory, r->front_only_shadings);
     stp_transparency_of_shadings(r->directory, r->layers.of_shading);
     r->layers.of_splats = memchr(r->layers.of_shading, 1, sizeof(r->layers.of_shading)) != NULL;
     r->team = stp_team_create_useful(context);

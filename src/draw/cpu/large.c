@@ -63,6 +63,7 @@ static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batc
                                   .triangle_count = b->count,
                                   .numbers = b->numbers,
                                   .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                                  .facing = stp_cpu_item_facing(r, item),
                                   .fragments = &worker->fragments};
     stp_cpu_count_triangles(r, item, b->count, worker);
     b->count = 0;

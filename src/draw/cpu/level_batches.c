@@ -59,9 +59,9 @@ static bool draw_some(const stp_cpu_renderer* r, const stp_cpu_item* item, const
 static bool draw_batch(const stp_cpu_renderer* r, const stp_cpu_item* item, batch* b,
                        int32_t facing, const stp_raster_target* target, stp_cpu_worker* worker)
 {
-    bool enough =
-        draw_some(r, item, b, 0, b->one_sided, facing, target, worker) &&
-        draw_some(r, item, b, BATCH_TRIANGLES - b->two_sided, b->two_sided, 0, target, worker);
+    bool enough = draw_some(r, item, b, 0, b->one_sided, facing, target, worker) &&
+                  draw_some(r, item, b, BATCH_TRIANGLES - b->two_sided, b->two_sided,
+                            stp_cpu_item_facing(r, item), target, worker);
     b->vertex_count = b->cluster_count = b->one_sided = b->two_sided = 0;
     return enough;
 }
@@ -88,17 +88,6 @@ static bool is_wanted(const stp_cpu_renderer* r, const stp_cpu_item* item,
     return true;
 }
 
-/// The side of the picture's triangles that is seen: their corners turn counter-clockwise in item
-/// space, and the picture's rows go down.
-static int32_t front_of(const stp_cpu_item* item)
-{
-    const double(*m)[4] = item->draw->transform.m;
-    double turned = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-                    m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-                    m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-    return turned > 0.0 ? -1 : turned < 0.0 ? 1 : 0;
-}
-
 bool stp_cpu_draw_level(const stp_cpu_renderer* r, const stp_cpu_item* item,
                         stp_cpu_cluster_range* range, const stp_raster_target* target,
                         stp_cpu_worker* worker)
@@ -109,7 +98,7 @@ bool stp_cpu_draw_level(const stp_cpu_renderer* r, const stp_cpu_item* item,
     stp_bounding bounding = stp_cpu_bound(r, item);
     stp_level_choice choice =
         stp_level_choice_make(r->directory, item->draw, item->camera.matrix.m, item->offset);
-    int32_t facing = front_of(item);
+    int32_t facing = stp_affine_front_turn(&item->draw->transform);
     bool enough = true;
     for (uint32_t i = range->begin; enough && i < range->end; ++i) {
         float share = 1.0f;

@@ -261,7 +261,8 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    bool filtered = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item);
+    bool filtered = item->draw->sections != 0 || item->draw->ghost || stp_cpu_hides_some(r, item) ||
+                    stp_cpu_drops_backs(r, item);
     bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
     if (item->draw->scattered && item->runs != NULL) {
         splats.nearest = item->runs[0].nearest;
@@ -297,6 +298,7 @@ static void draw_triangles(stp_cpu_renderer* r, const stp_cpu_item* item, uint32
                             .vertex_count = item->mesh.vertex_count,
                             .triangle_count = end - begin,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                            .facing = stp_cpu_item_facing(r, item),
                             .fragments = &worker->fragments};
     if (keep.section_mask != 0 || stp_cpu_item_needs_keep(item)) {
         mesh.keep = stp_cpu_keep_fragment;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Section planes through items, and splats of ghosts. Nearly all items lie inside all planes and
-// skip these tests.
+// Section planes through items, splats of ghosts and splats that face away. Nearly all items lie
+// inside all planes and skip these tests.
+#include "base/splats/coverage.h"
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 #include "select/sections.h"
@@ -161,12 +162,58 @@ static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t co
     return shown;
 }
 
+bool stp_cpu_drops_backs(const stp_cpu_renderer* r, const stp_cpu_item* item)
+{
+    return item->kind == STP_DRAW_SPLATS && r->front_only != STP_FRONT_ONLY_NONE &&
+           !item->splats.unknown_signs && !stp_cpu_draws_backs(r);
+}
+
+/// Bits of up to 16 splats that do not face away, or may.
+static uint16_t find_fronts(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                            const stp_raster_splats* splats, const float eye[3], uint32_t first,
+                            uint32_t count)
+{
+    assert(count <= 16 && "one word of bits");
+    float from = r->frame.parallel ? 0.0f : 1.0f; // in parallel, `eye` is a direction
+    uint16_t fronts = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        size_t at = (size_t)first + i;
+        const uint16_t* p = splats->positions + 3 * at;
+        const int8_t* code = splats->normals + 2 * at;
+        stp_vec3 n = stp_octahedral_unfold((float)code[0], (float)code[1]);
+        stp_vec3 sight = {eye[0] - from * (float)p[0], eye[1] - from * (float)p[1],
+                          eye[2] - from * (float)p[2]};
+        float along = stp_dot(n, sight);
+        float least = STP_BACK_SINE * STP_BACK_SINE * (stp_dot(n, n) * stp_dot(sight, sight));
+        bool away = along < 0.0f && along * along > least;
+        bool dropped = away && r->front_only_shadings[item->splats.materials[at]] != 0;
+        fronts = (uint16_t)(fronts | (dropped ? 0u : 1u) << i);
+    }
+    return fronts;
+}
+
+/// From where the splats of an item are seen, in steps of their grid. @return false if none are left
+/// out for facing away
+static bool find_grid_eye(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                          const stp_raster_splats* splats, float eye[3])
+{
+    const float origin[3] = {item->splats.origin.x, item->splats.origin.y, item->splats.origin.z};
+    bool drops = stp_cpu_drops_backs(r, item) && splats->normals != NULL &&
+                 stp_find_item_eye(&r->frame, &item->draw->transform, origin, eye);
+    for (int c = 0; c < 3 && drops && !r->frame.parallel; ++c) {
+        eye[c] /= item->splats.step;
+    }
+    return drops;
+}
+
 bool stp_cpu_filter_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
                            stp_raster_splats* splats, stp_cpu_worker* worker)
 {
     splats->share = item->draw->ghost ? stp_placement_ghost_part(stp_cpu_ghost_share(r)) : 0.0f;
+    float eye[3] = {0};
     bool hides = stp_cpu_hides_some(r, item);
-    if (item->draw->sections == 0 && !hides) {
+    bool fronts = find_grid_eye(r, item, splats, eye);
+    if (item->draw->sections == 0 && !hides && !fronts) {
         return true;
     }
     assert(splats->begin % 16 == 0 && splats->begin <= splats->end && "bits in words of 16");
@@ -182,6 +229,7 @@ bool stp_cpu_filter_splats(const stp_cpu_renderer* r, const stp_cpu_item* item,
         uint32_t count = splats->end - first < 16 ? splats->end - first : 16;
         uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
         wanted &= hides ? find_shown(item, first, count) : 0xFFFFu;
+        wanted &= fronts ? find_fronts(r, item, splats, eye, first, count) : 0xFFFFu;
         left[first / 16] = (uint16_t)(wanted & find_left(splats, first, count, rows, row_count));
     }
     splats->wanted = left;

@@ -76,6 +76,13 @@ void stp_cpu_mesh_color(const stp_cpu_item* item, const stp_cpu_triangle* triang
     }
 }
 
+int32_t stp_cpu_item_facing(const stp_cpu_renderer* r, const stp_cpu_item* item)
+{
+    bool front_only = (item->material->flags & STP_SHADING_FRONT_ONLY) != 0;
+    return front_only && !stp_cpu_draws_backs(r) ? stp_affine_front_turn(&item->draw->transform)
+                                                 : 0;
+}
+
 bool stp_cpu_item_needs_keep(const stp_cpu_item* item)
 {
     const stp_store_material* material = item->material;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/core/context.h"
+#include "draw/facing.h"
 #include "draw/gl/item_commands.h"
 #include "draw/gl/upload.h"
 #include "draw/placement.h"
@@ -78,6 +79,21 @@ static void count_drawn(stp_gl_renderer* r, uint32_t triangles, float share)
     r->frame.drawn_triangles += (uint64_t)((double)triangles * (double)share + 0.5);
 }
 
+/// Sets where an item is seen from, if some of its triangles are drawn from the front only.
+/// @return whether all of them are
+static bool place_eye(const stp_gl_renderer* r, uint32_t index, bool* some)
+{
+    const stp_gl_placed* placed = &r->frame.placed[index];
+    item_block* item = &r->frame.items[index];
+    const stp_store_material* material = &r->directory->materials[item->material];
+    bool all = (material->flags & STP_SHADING_FRONT_ONLY) != 0 &&
+               !stp_draws_backs(r->style, &r->view->sections);
+    *some =
+        (all || placed->draw->is_level) &&
+        stp_find_item_eye(&r->placement.frame, &placed->draw->transform, placed->offset, item->eye);
+    return all && *some;
+}
+
 /// Adds a mesh of columns, without culling: all its clusters have the same share.
 static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
 {
@@ -90,40 +106,18 @@ static stp_result add_columns(stp_gl_renderer* r, uint32_t index, stp_store_mesh
     cluster_kinds kind = choose_kinds(r, item, present);
     stp_bounding bounding = bound(r, item);
     float share = stp_draw_share(draw, stp_bounding_min_depth(&bounding, mesh->bounds));
+    bool some, all = place_eye(r, index, &some);
     for (uint32_t i = 0; i < item->cluster_count && share > 0.0f; ++i) {
         uint32_t left = mesh->triangle_count - i * UPLOAD_CLUSTER_TRIANGLES;
         uint32_t count = left < UPLOAD_CLUSTER_TRIANGLES ? left : UPLOAD_CLUSTER_TRIANGLES;
-        if (add_cluster(r, index, kind, i, count, share) == NULL) {
+        record_block* record = add_cluster(r, index, kind, i, count, share);
+        if (record == NULL) {
             return stp_fail_memory(r->base.context);
         }
         count_drawn(r, count, share);
+        record->first = all ? count : 0;
     }
     return STP_OK;
-}
-
-/// Sets where a level is seen from. @return its clusters, which have one-sided triangles; NULL: the
-/// item is no level, or flat
-static const stp_store_level_cluster* place_eye(const stp_gl_renderer* r, uint32_t index)
-{
-    const stp_gl_placed* placed = &r->frame.placed[index];
-    const stp_view_frame* frame = &r->placement.frame;
-    const stp_affine* transform = &placed->draw->transform;
-    if (!placed->draw->is_level || !(fabs(stp_affine_determinant(transform)) > 0.0)) {
-        return NULL;
-    }
-    const float* o = placed->offset;
-    stp_vec3d middle = {(double)o[0], (double)o[1], (double)o[2]};
-    stp_vec3d sight = frame->parallel ? stp_scaled(frame->forward, -1.0)
-                                      : stp_subd(frame->eye, stp_affine_point(transform, middle));
-    double normal[3][3], size = fabs(stp_affine_determinant(transform));
-    stp_affine_normal_matrix(transform, normal); // transposed, over the size: the inverse
-    float* eye = r->frame.items[index].eye;
-    for (int c = 0; c < 3; ++c) {
-        eye[c] =
-            (float)((normal[0][c] * sight.x + normal[1][c] * sight.y + normal[2][c] * sight.z) /
-                    size);
-    }
-    return r->directory->level_clusters + r->directory->levels[placed->draw->level].first_cluster;
 }
 
 stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
@@ -145,7 +139,11 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
     item->cluster_count = clusters.cluster_count;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
     const float* shares = stp_gl_cluster_shares_get(&r->frame.shares, index);
-    const stp_store_level_cluster* of_level = place_eye(r, index);
+    bool some, all = place_eye(r, index, &some);
+    const stp_store_level_cluster* of_level = NULL;
+    if (some && draw->is_level) {
+        of_level = r->directory->level_clusters + r->directory->levels[draw->level].first_cluster;
+    }
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         if (!(shares[i] > 0.0f)) {
             continue;
@@ -155,7 +153,7 @@ stp_result stp_gl_cull_mesh(stp_gl_renderer* r, uint32_t index)
         if (record == NULL) {
             return stp_fail_memory(r->base.context);
         }
-        record->first = of_level != NULL ? of_level[i].one_sided : 0;
+        record->first = all ? triangles : of_level != NULL ? of_level[i].one_sided : 0;
         count_drawn(r, triangles, shares[i]);
     }
     return STP_OK;
@@ -206,12 +204,18 @@ stp_result stp_gl_cull_large(stp_gl_renderer* r, uint32_t index)
     item->large_from = draw->switch_begin > 0.0f ? draw->switch_begin : -HUGE_VALF;
     cluster_kinds kind = choose_kinds(r, item, clusters.present);
     stp_bounding bounding = bound(r, item);
+    bool some, all = place_eye(r, index, &some);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         bool marked = (r->frame.marks[i / 32] >> i % 32 & 1) != 0;
-        if (marked && !stp_bounding_misses(&bounding, stp_clusters_bounds(&clusters, i)) &&
-            add_cluster(r, index, kind, i, stp_clusters_triangles(&clusters, i), 1.0f) == NULL) {
+        if (!marked || stp_bounding_misses(&bounding, stp_clusters_bounds(&clusters, i))) {
+            continue;
+        }
+        uint32_t triangles = stp_clusters_triangles(&clusters, i);
+        record_block* record = add_cluster(r, index, kind, i, triangles, 1.0f);
+        if (record == NULL) {
             return stp_fail_memory(r->base.context);
         }
+        record->first = all ? triangles : 0;
     }
     return STP_OK;
 }

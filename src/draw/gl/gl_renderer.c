@@ -403,6 +403,7 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     if (result == STP_OK) {
         stp_gl_timer_create(&r->gl, &r->timer);
         result = stp_gl_materials_create(r);
+        r->front_only = stp_front_only_of_shadings(r->directory, r->front_only_shadings);
         result = result == STP_OK ? stp_gl_layer_pass_create(r) : result;
     }
     if (result == STP_OK) {

@@ -13,6 +13,7 @@
 // number of pages and the shape of splats, and are recreated if these change.
 #pragma once
 
+#include "draw/facing.h"
 #include "draw/gl/cluster_shares.h"
 #include "draw/gl/gl.h"
 #include "draw/gl/gl_passes.h"
@@ -200,6 +201,8 @@ struct stp_gl_renderer {
     stp_gl_effect_pass effects;
     stp_gl_cap_pass cap_pass;
     stp_gl_layer_pass layer_pass;
+    stp_front_only front_only;        ///< which splat shadings are drawn from the front only
+    uint8_t front_only_shadings[256]; ///< one each
     stp_gl_timer timer;
     stp_gl_target target;
     stp_gl_frame frame;

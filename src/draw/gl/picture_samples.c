@@ -10,6 +10,11 @@
 
 #include <assert.h>
 
+_Static_assert((uint32_t)STP_FRONT_ONLY_NONE == FRONT_ONLY_NONE &&
+                   (uint32_t)STP_FRONT_ONLY_SOME == FRONT_ONLY_SOME &&
+                   (uint32_t)STP_FRONT_ONLY_ALL == FRONT_ONLY_ALL,
+               "as shaders have it");
+
 enum { POINT_MARGIN = 64 };
 
 /// One sample, and the use of its result.
@@ -111,6 +116,8 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
         .scale_first = SHADINGS + r->directory->material_count,
         .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
         .ghost_seed = GHOST_SEED,
+        .front_only = stp_draws_backs(r->style, &r->view->sections) ? FRONT_ONLY_NONE
+                                                                    : (uint32_t)r->front_only,
         .ghost_splats = stp_placement_ghost_part(ghost)};
     view.screen[0] = (float)(f->center_x + p->shift_x);
     view.screen[1] = (float)(f->center_y + p->shift_y);
@@ -126,6 +133,7 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
     view.background[3] = r->style->background ? 1.0f : 0.0f;
     for (uint32_t i = 0; i < SHADINGS; ++i) {
         view.glass_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->layer_pass.of_shading[i] << i % 32;
+        view.front_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->front_only_shadings[i] << i % 32;
     }
     return view;
 }

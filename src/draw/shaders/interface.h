@@ -92,6 +92,7 @@
 #define ITEM_BESIDE 64u            // omits splats that large triangles replace
 #define ITEM_LARGE 128u            // omits triangles with too low a level
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
+#define ITEM_UNSIGNED 512u         // the signs of its normals are unknown
 #define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
@@ -103,6 +104,12 @@
 #define ALPHA_OPAQUE 0u
 #define ALPHA_MASK 1u
 #define ALPHA_BLEND 2u
+
+// Which splats are left out where they face away (stp_front_only), by more than this sine.
+#define FRONT_ONLY_NONE 0u
+#define FRONT_ONLY_SOME 1u
+#define FRONT_ONLY_ALL 2u
+#define BACK_SINE 0.25
 
 // Drawing of transparent surfaces: by alpha thresholds, or not at all if layers follow.
 #define GLASS_PATTERN 0u
@@ -238,13 +245,15 @@ struct view_block {
     uint hides;      // whether splats of coverage 0 are not drawn
     uint recolors;   // a RECOLORS
     uvec4 glass_shadings[2]; // one bit per shading: transparent
+    uvec4 front_shadings[2]; // one bit per shading: drawn from the front only
     vec4 screen;             // principal point, 1 / pixels per unit of x/z (or per unit)
     vec4 section_rows
         [SECTION_PLANES]; // in right, down, depth: positions with a sum above 0 are cut away
     vec4 earlier[4];      // from X, Y, true N, W to those of the picture with known depths
     float corner;         // distance over depth in a corner of the picture
     uint scale_first;     // start of the colour scale among the lighting materials
-    float view_spare1, view_spare2;
+    uint front_only;      // a FRONT_ONLY
+    float view_spare;
     vec4 height_place, height_along; // src/draw/shading_setup.h
 };
 
@@ -288,5 +297,5 @@ _Static_assert(sizeof(item_block) == 384, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 608, "layout of the view");
+_Static_assert(sizeof(view_block) == 640, "layout of the view");
 #endif

@@ -11,7 +11,7 @@ struct splat_place {
     uint halvings; // how often the radius was halved
     uint part;     // drawn part of the disk: see splat_part
     bool glass;    // transparent
-    bool there;    // its range contains the level
+    bool there;    // its range contains the level, and it does not face away
     float own;     // its own radius, relative to the item's
     uint shape;    // code of its radii and direction; 0: none
 };
@@ -124,6 +124,40 @@ void find_options(const record_block record, const item_block item, uint local, 
     }
 }
 
+vec3 turn_vector(const item_block item, vec3 n)
+{
+    precise vec3 turned = vec3((item.turn[0].x * n.x + item.turn[0].y * n.y) + item.turn[0].z * n.z,
+                               (item.turn[1].x * n.x + item.turn[1].y * n.y) + item.turn[1].z * n.z,
+                               (item.turn[2].x * n.x + item.turn[2].y * n.y) + item.turn[2].z * n.z);
+    return turned;
+}
+
+// The normal in the view, of any length.
+vec3 turn_normal(const item_block item, vec2 code)
+{
+    return turn_vector(item, decode_octahedral(code, 127.0));
+}
+
+// Whether a splat of a single-sided material faces away.
+bool is_back(const record_block record, const item_block item, uint local, const splat_place splat)
+{
+    if (item.kind != KIND_SPLATS || (item.flags & (ITEM_FACING | ITEM_UNSIGNED)) != 0u) {
+        return false;
+    }
+    vec2 screen = splat.position.xy / splat.w;
+    vec3 sight = vec3((screen - vec2(item.center_x, item.center_y)) * item.inverse_scale, 1.0);
+    vec3 n = turn_normal(item, splat.code);
+    float along = dot(n, sight);
+    if (along < 0.0 || along * along <= BACK_SINE * BACK_SINE * dot(n, n) * dot(sight, sight)) {
+        return false;
+    }
+    if (view.front_only == FRONT_ONLY_ALL) {
+        return true;
+    }
+    uint shading = find_shading(item, record.first + local);
+    return (view.front_shadings[shading >> 7][(shading >> 5) & 3u] >> (shading & 31u) & 1u) != 0u;
+}
+
 splat_place place_splat(const record_block record, const item_block item, uint local)
 {
     splat_place splat;
@@ -142,6 +176,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
     find_options(record, item, local, splat);
+    splat.there = splat.there && !(view.front_only != FRONT_ONLY_NONE && is_back(record, item, local, splat));
     precise float inverse = 1.0 / splat.w, radius = (item.radius_px * inverse + item.pixels) * splat.own;
     uint index = record.first + local;
     splat.part = hidden ? 0u : splat_part(item, index);
@@ -175,20 +210,6 @@ bool is_wanted(const record_block record, const item_block item, const splat_pla
 bool is_close(const item_block item, const splat_place splat)
 {
     return view.parallel == 0u && splat.w < item.near_w * splat.own && splat.w > item.far_w * splat.own;
-}
-
-vec3 turn_vector(const item_block item, vec3 n)
-{
-    precise vec3 turned = vec3((item.turn[0].x * n.x + item.turn[0].y * n.y) + item.turn[0].z * n.z,
-                               (item.turn[1].x * n.x + item.turn[1].y * n.y) + item.turn[1].z * n.z,
-                               (item.turn[2].x * n.x + item.turn[2].y * n.y) + item.turn[2].z * n.z);
-    return turned;
-}
-
-// The normal in the view, of any length.
-vec3 turn_normal(const item_block item, vec2 code)
-{
-    return turn_vector(item, decode_octahedral(code, 127.0));
 }
 
 // Drawn share of a disk's pixels, of 255; 255: no holes. `single`: for the centre's pixel only.

@@ -92,6 +92,7 @@ typedef struct stp_gltf {
     unsigned char** decoded_views; ///< by buffer view; NULL if it is not compressed
     size_t content_bytes;          ///< size of the model and the files beside it; scales the limits
     uint32_t first_material;       ///< index in the scene of the file's first material
+    uint32_t default_material;     ///< in the scene: of triangles without a material
     stp_gltf_material* materials;
     stp_gltf_node* nodes;
     uint32_t* node_order; ///< parents before children, each node once

@@ -2,6 +2,7 @@
 // Materials (3.9), with unlit, emissive strength, texture transforms and, for old files,
 // specular-glossiness.
 #include "import/gltf/gltf.h"
+#include "import/gltf/gltf_primitive.h"
 
 #include <assert.h>
 #include <string.h>
@@ -231,6 +232,7 @@ static stp_result read_material(material_reader* reader, const json_t* json)
     *out = stp_material_default();
     out->name = stp_gltf_text(json, "name");
     out->double_sided = stp_gltf_flag(json, "doubleSided");
+    out->front_only = !out->double_sided;
     const char* mode = stp_gltf_text(json, "alphaMode");
     out->alpha_mode = mode != NULL && strcmp(mode, "MASK") == 0    ? STP_ALPHA_MASK
                       : mode != NULL && strcmp(mode, "BLEND") == 0 ? STP_ALPHA_BLEND
@@ -273,6 +275,44 @@ static stp_result add_materials(stp_gltf_scope* scope, const stp_gltf_textures* 
     return STP_OK;
 }
 
+// Draws both sides of materials that points have, which have no sides. @return whether triangles
+// have no material
+static bool look_at_primitive(const json_t* primitive, stp_material* materials, size_t count)
+{
+    const json_t *mode = json_object_get(primitive, "mode"),
+                 *material = json_object_get(primitive, "material");
+    bool triangles =
+        !json_is_integer(mode) || json_integer_value(mode) >= (json_int_t)STP_GLTF_TRIANGLES;
+    json_int_t index = json_is_integer(material) ? json_integer_value(material) : -1;
+    if (!triangles && index >= 0 && index < (json_int_t)count) {
+        materials[index].front_only = false;
+    }
+    return triangles && material == NULL;
+}
+
+// Decides which materials are drawn from the front only. Adds the default material (3.9.6), which is
+// single-sided, if triangles have it.
+static stp_result settle_sides(stp_gltf_scope* scope, stp_gltf* gltf)
+{
+    stp_scene* scene = gltf->import->scene;
+    stp_material* materials = scene->materials + gltf->first_material;
+    size_t count = scene->material_count - gltf->first_material;
+    bool lacking = false;
+    for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_MESHES); ++i) {
+        const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], i);
+        const json_t* primitives = json_object_get(mesh, "primitives");
+        for (size_t k = 0; k < json_array_size(primitives); ++k) {
+            bool lacks = look_at_primitive(json_array_get(primitives, k), materials, count);
+            lacking = lacking || lacks;
+        }
+    }
+    stp_material added = stp_material_default();
+    added.front_only = true;
+    return lacking ? stp_gltf_logged(scope,
+                                     stp_scene_add_material(scene, &added, &gltf->default_material))
+                   : STP_OK;
+}
+
 static stp_result read_materials(stp_gltf_scope* scope, stp_gltf_textures* textures,
                                  pending_material* pending, stp_gltf* gltf)
 {
@@ -292,7 +332,8 @@ static stp_result read_materials(stp_gltf_scope* scope, stp_gltf_textures* textu
         }
     }
     stp_result result = stp_gltf_textures_load(scope, textures, gltf);
-    return result == STP_OK ? add_materials(scope, textures, pending, gltf) : result;
+    result = result == STP_OK ? add_materials(scope, textures, pending, gltf) : result;
+    return result == STP_OK ? settle_sides(scope, gltf) : result;
 }
 
 stp_result stp_gltf_load_materials(stp_gltf_scope* scope, stp_gltf* gltf)

@@ -250,6 +250,7 @@ static stp_result read_triangles(stp_gltf_scope* scope, const json_t* mesh_json,
     result =
         read_geometry(scope, mesh_json, json, variant, vertices, &mesh->positions, &mesh->normals);
     if (result == STP_OK) {
+        mesh->material = scope->gltf->default_material;
         result = read_material(scope, json, &mesh->material, &slots);
     }
     if (result == STP_OK) {

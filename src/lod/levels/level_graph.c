@@ -441,16 +441,24 @@ static stp_result hide(maker* m)
     m->hidden = true;
     uint32_t* indices = STP_NEW_ARRAY(m->context, uint32_t, 3 * (size_t)count + 1);
     uint8_t* sides = STP_NEW_ZEROED(m->context, uint8_t, (size_t)count + 1);
-    stp_result result = indices != NULL && sides != NULL ? STP_OK : stp_fail_memory(m->context);
+    const uint8_t* of_tags = m->source->front_only;
+    uint8_t* front_only =
+        of_tags != NULL ? STP_NEW_ARRAY(m->context, uint8_t, (size_t)count + 1) : NULL;
+    bool enough = indices != NULL && sides != NULL && (of_tags == NULL || front_only != NULL);
+    stp_result result = enough ? STP_OK : stp_fail_memory(m->context);
     for (uint32_t i = 0, at = 0; i < m->next_count && result == STP_OK; ++i) {
         const stp_level_cluster* c = &g->clusters[m->next[i]];
         memcpy(indices + 3 * (size_t)at, g->indices + 3 * (size_t)c->first_triangle,
                3 * sizeof(*indices) * c->triangle_count);
+        for (uint32_t t = 0; t < c->triangle_count && of_tags != NULL; ++t) {
+            front_only[at + t] = of_tags[g->tags[c->first_triangle + t]];
+        }
         at += c->triangle_count;
     }
     if (result == STP_OK) {
-        result = stp_find_seen_sides(m->context, g->positions, g->vertex_count, indices, count,
-                                     &(stp_seen_desc){VIEWS, choose_pixels(count)}, sides);
+        result =
+            stp_find_seen_sides(m->context, g->positions, g->vertex_count, indices, count,
+                                &(stp_seen_desc){VIEWS, choose_pixels(count), front_only}, sides);
     }
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         hidden += (sides[i] & STP_SEEN_FRONT) == 0 ? 1 : 0;
@@ -465,6 +473,7 @@ static stp_result hide(maker* m)
     for (uint32_t i = 0; i < g->group_count; ++i) {
         g->outside_error = fmax(g->outside_error, g->groups[i].error);
     }
+    stp_free(m->context, front_only);
     stp_free(m->context, sides);
     stp_free(m->context, indices);
     return result;

@@ -70,6 +70,7 @@ typedef struct stp_level_source {
     /// NULL: the numbers of the triangles. Else borders between tags are kept, and their colours do
     /// not mix
     const uint32_t* tags;
+    const uint8_t* front_only; ///< NULL, or per tag: not 0 if backs of its triangles are not drawn
     const uint8_t* locked; ///< NULL, or one per vertex: not 0 if it keeps its place at all levels
     const float* colors;   ///< NULL, or 9 per triangle: red, green, blue of each corner, linear
     const float* spreads;  ///< NULL: none; else as in stp_group_mesh: what the corners do not show

@@ -45,6 +45,15 @@ typedef struct exporter {
     uint16_t slots[SLOTS]; ///< hash table: 1 + vertex of the cluster
 } exporter;
 
+/// The sides of a triangle that are drawn. Of materials that are drawn from the front only, a back
+/// stays a back.
+static uint8_t drawn_sides(const exporter* e, uint32_t triangle)
+{
+    uint8_t sides = e->graph->sides[triangle];
+    bool front_only = e->scene->materials[e->graph->tags[triangle]].front_only;
+    return sides == STP_SEEN_BACK && front_only ? STP_SEEN_FRONT | STP_SEEN_BACK : sides;
+}
+
 static double made_error(const stp_level_graph* g, uint32_t cluster)
 {
     uint32_t group = g->clusters[cluster].made_by;
@@ -362,7 +371,7 @@ static stp_result add_triangle(exporter* e, stp_node_level* level, uint32_t clus
         const uint16_t code[4] = {code_color(color[0]), code_color(color[1]), code_color(color[2]),
                                   65535};
         // a triangle of which only the back is seen is turned around
-        size_t corner = g->sides[t] == STP_SEEN_BACK ? 2 - k : k;
+        size_t corner = drawn_sides(e, t) == STP_SEEN_BACK ? 2 - k : k;
         level->indices[3 * (size_t)level->triangle_count + corner] =
             find_vertex(e, level, position, code);
     }
@@ -381,7 +390,7 @@ static stp_result add_shading(exporter* e, uint32_t cluster, uint8_t shading)
     for (int pass = 0; pass < 2; ++pass) {
         for (uint32_t t = c->first_triangle;
              t < c->first_triangle + c->triangle_count && result == STP_OK; ++t) {
-            uint8_t sides = g->sides[t];
+            uint8_t sides = drawn_sides(e, t);
             bool one = sides == STP_SEEN_FRONT || sides == STP_SEEN_BACK;
             if (sides == 0 || one != (pass == 0) || e->shading_of_material[g->tags[t]] != shading) {
                 continue;

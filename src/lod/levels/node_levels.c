@@ -21,6 +21,7 @@ typedef struct welded {
     uint32_t* indices;
     uint32_t* tags; ///< materials
     uint8_t* locked;
+    uint8_t* front_only;     ///< per material; NULL: none of those used
     float *colors, *spreads; ///< NULL: each material has one colour
     uint32_t* slots;         ///< hash table: 1 + vertex
     uint32_t slot_mask;
@@ -97,11 +98,7 @@ static void swap_corners(welded* w, uint32_t triangle)
 /// Whether a transform turns the order of corners around.
 static bool is_mirrored(const stp_affine* a)
 {
-    const double(*m)[4] = a->m;
-    double turned = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-                    m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-                    m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-    return turned < 0.0;
+    return stp_affine_determinant(a) < 0.0;
 }
 
 /// Appends a triangle, unless two corners are the same vertex.
@@ -224,6 +221,24 @@ static stp_result weld_parts(welded* w, uint32_t triangles, const stp_capture_te
     return result == STP_OK && w->has_pieces ? lock_borders(w) : result;
 }
 
+/// Notes which materials are drawn from the front only, if any of the triangles' is.
+static stp_result find_front_only(welded* w)
+{
+    const stp_scene* scene = w->scene;
+    bool any = false;
+    for (uint32_t t = 0; t < w->triangle_count && !any; ++t) {
+        any = scene->materials[w->tags[t]].front_only;
+    }
+    if (!any) {
+        return STP_OK;
+    }
+    w->front_only = STP_NEW_ARRAY(w->context, uint8_t, scene->material_count);
+    for (size_t i = 0; i < scene->material_count && w->front_only != NULL; ++i) {
+        w->front_only[i] = scene->materials[i].front_only ? 1 : 0;
+    }
+    return w->front_only != NULL ? STP_OK : stp_fail_memory(w->context);
+}
+
 stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* parts,
                                 size_t part_count, const uint8_t* shading_of_material,
                                 const stp_capture_textures* textures, stp_node_levels* levels)
@@ -244,6 +259,7 @@ stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* p
     stp_level_graph graph = {0};
     *levels = (stp_node_levels){0};
     stp_result result = triangles > 0 ? weld_parts(&w, triangles, textures) : STP_OK;
+    result = result == STP_OK ? find_front_only(&w) : result;
     double diagonal = stp_lengthd(stp_subd(stp_to_double(w.box.max), stp_to_double(w.box.min)));
     if (result == STP_OK && w.triangle_count >= STP_LEVELS_LEAST && diagonal > 0.0 &&
         isfinite(diagonal)) {
@@ -252,6 +268,7 @@ stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* p
                                          .positions = w.positions,
                                          .indices = w.indices,
                                          .tags = w.tags,
+                                         .front_only = w.front_only,
                                          .locked = w.locked,
                                          .colors = w.colors,
                                          .spreads = w.spreads};
@@ -264,7 +281,8 @@ stp_result stp_node_levels_make(const stp_scene* scene, const stp_placed_part* p
         }
     }
     stp_level_graph_destroy(scene->context, &graph);
-    void* arrays[] = {w.positions, w.indices, w.tags, w.locked, w.colors, w.spreads, w.slots};
+    void* arrays[] = {w.positions, w.indices, w.tags,  w.locked,
+                      w.colors,    w.spreads, w.slots, w.front_only};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(scene->context, arrays[i]);
     }

@@ -67,6 +67,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_LEVEL_CLUSTERS,   ///< when each cluster of a level is drawn
     STP_SECTION_LEVEL_GROUPS,     ///< spheres and errors that decide it
     STP_SECTION_LEVEL_FIGURES,    ///< how much levels are, for those who read no more
+    STP_SECTION_SIDES,            ///< materials and shadings whose backs are not drawn
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 

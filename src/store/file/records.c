@@ -177,12 +177,25 @@ static void code_texture_use(stp_store_codec* codec, stp_store_texture_use* use)
     }
 }
 
+/// Flags of a material or shading. STP_SHADING_FRONT_ONLY has a section of its own.
+static void code_look_flags(stp_store_codec* codec, uint32_t* flags)
+{
+    uint32_t stored = *flags & ~(uint32_t)STP_SHADING_FRONT_ONLY;
+    code_u32(codec, &stored);
+    if (codec->input != NULL) {
+        *flags = stored;
+        if ((stored & STP_SHADING_FRONT_ONLY) != 0) {
+            note_fault(codec, "has flags that are not defined in this version");
+        }
+    }
+}
+
 static void code_material(stp_store_codec* codec, void* element)
 {
     stp_store_material* material = element;
     uint32_t alpha = (uint32_t)material->alpha;
     code_text(codec, &material->name);
-    code_u32(codec, &material->flags);
+    code_look_flags(codec, &material->flags);
     code_u32(codec, &alpha);
     material->alpha = (stp_store_alpha)alpha;
     code_f32(codec, &material->alpha_cutoff);
@@ -208,7 +221,7 @@ static void code_shading(stp_store_codec* codec, void* element)
     for (int i = 0; i < 3; ++i) {
         code_f32(codec, &shading->emissive[i]);
     }
-    code_u32(codec, &shading->flags);
+    code_look_flags(codec, &shading->flags);
 }
 
 static void code_texture(stp_store_codec* codec, void* element)
@@ -406,6 +419,14 @@ static void code_level_group(stp_store_codec* codec, void* element)
     code_f32(codec, &group->error);
 }
 
+static void code_sides(stp_store_codec* codec, void* element)
+{
+    stp_store_sides* sides = element;
+    code_u32(codec, &sides->flags);
+    code_u32(codec, &sides->inverted);
+    code_u64(codec, &sides->triangles);
+}
+
 static void code_level_figures(stp_store_codec* codec, void* element)
 {
     stp_store_level_figures* figures = element;
@@ -519,6 +540,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                       code_level_group},
         [STP_SECTION_LEVEL_FIGURES] = {"figures of levels", 24, sizeof(stp_store_level_figures),
                                        code_level_figures},
+        [STP_SECTION_SIDES] = {"sides", 16, sizeof(stp_store_sides), code_sides},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

@@ -6,6 +6,7 @@
 
 #include "store/bytes/format.h"
 #include "store/file/point_attributes.h"
+#include "store/file/sides.h"
 
 /// Zero-terminated texts, one after the other; records refer to them by offset.
 typedef struct stp_store_text {
@@ -159,6 +160,7 @@ typedef union stp_store_element {
     stp_store_level_cluster level_cluster;
     stp_store_level_group level_group;
     stp_store_level_figures level_figures;
+    stp_store_sides sides;
 } stp_store_element;
 
 /// By section type; all 0 for unknown types. Sections of texts have no name and no `code`.

@@ -33,6 +33,8 @@ typedef struct stp_store_material {
     float metallic, roughness, emissive[3], alpha_cutoff;
     stp_store_alpha alpha;
     uint32_t flags; ///< STP_SHADING_*
+    /// Closed meshes of it whose fronts face inwards, if it is STP_SHADING_FRONT_ONLY
+    uint32_t inverted;
     stp_store_texture_use base_color_texture, metallic_roughness_texture, emissive_texture;
 } stp_store_material;
 

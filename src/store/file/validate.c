@@ -99,7 +99,8 @@ static stp_result check_materials(const stp_store_validator* validator,
                                 validator->path, i, uses[k]->texture, uses[k]->texcoord);
             }
         }
-        if (material->flags > 3 || (uint32_t)material->alpha > STP_STORE_BLEND) {
+        if ((material->flags & ~(uint32_t)STP_SHADING_FRONT_ONLY) > 3 ||
+            (uint32_t)material->alpha > STP_STORE_BLEND) {
             return stp_fail(
                 validator->context, validator->failure,
                 "%s: material %u: flags %#x, alpha mode %u are not defined in this version",
@@ -111,7 +112,7 @@ static stp_result check_materials(const stp_store_validator* validator,
                         validator->path, directory->shading_count, STP_STORE_SHADING_LIMIT);
     }
     for (uint32_t i = 0; i < directory->shading_count; ++i) {
-        if (directory->shadings[i].flags > 7) {
+        if ((directory->shadings[i].flags & ~(uint32_t)STP_SHADING_FRONT_ONLY) > 7) {
             return stp_fail(validator->context, validator->failure,
                             "%s: shading %u: flags %#x are not defined in this version",
                             validator->path, i, directory->shadings[i].flags);

@@ -94,7 +94,7 @@ static stp_result read_directory(stp_store* store)
     static const uint32_t others[] = {STP_SECTION_CLUSTERS,       STP_SECTION_ATTRIBUTE_BLOCKS,
                                       STP_SECTION_CERTAINTY,      STP_SECTION_LEVELS,
                                       STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS,
-                                      STP_SECTION_LEVEL_FIGURES};
+                                      STP_SECTION_LEVEL_FIGURES,  STP_SECTION_SIDES};
     for (size_t i = 0; i < sizeof(others) / sizeof(others[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
@@ -107,6 +107,10 @@ static stp_result read_directory(stp_store* store)
     if (result == STP_OK) {
         result = read_build(store);
     }
+    if (result != STP_OK) {
+        return result;
+    }
+    result = stp_store_link_sides(store);
     if (result != STP_OK) {
         return result;
     }

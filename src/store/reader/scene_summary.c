@@ -68,9 +68,9 @@ static stp_result verify_texts(stp_store* store)
 
 stp_result stp_store_read_head(stp_store* store)
 {
-    static const uint32_t types[] = {STP_SECTION_SUMMARY,   STP_SECTION_SCENE_PARTS,
-                                     STP_SECTION_VIEWS,     STP_SECTION_SOURCES,
-                                     STP_SECTION_CERTAINTY, STP_SECTION_LEVEL_FIGURES};
+    static const uint32_t types[] = {
+        STP_SECTION_SUMMARY,   STP_SECTION_SCENE_PARTS,   STP_SECTION_VIEWS, STP_SECTION_SOURCES,
+        STP_SECTION_CERTAINTY, STP_SECTION_LEVEL_FIGURES, STP_SECTION_SIDES};
     const stp_store_section* texts = store->known[STP_SECTION_TEXT];
     stp_store_text text = {.context = store->context};
     assert(store->only_summary && "stores opened for their summary");
@@ -92,6 +92,7 @@ stp_result stp_store_read_head(stp_store* store)
     result = result == STP_OK ? stp_store_validate_summary(store) : result;
     result = result == STP_OK ? stp_store_validate_certainty(store) : result;
     result = result == STP_OK ? stp_store_validate_level_figures(store) : result;
+    result = result == STP_OK ? stp_store_validate_sides(store) : result;
     result = result == STP_OK ? stp_store_read_figures(store, &text) : result;
     result = result == STP_OK ? stp_store_read_method_names(store, &text) : result;
     result = result == STP_OK ? stp_store_read_text(store, STP_SECTION_BUILD, &text) : result;

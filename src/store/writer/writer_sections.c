@@ -18,6 +18,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_ATTRIBUTE_VALUES,
     STP_SECTION_CERTAINTY,
     STP_SECTION_LEVEL_FIGURES,
+    STP_SECTION_SIDES,
     STP_SECTION_BUILD,
     STP_SECTION_NODES,
     STP_SECTION_EDGES,
@@ -285,6 +286,18 @@ static stp_result write_level_figures(stp_store_writing* w)
     return write_table(w, STP_SECTION_LEVEL_FIGURES, &figures, 1);
 }
 
+static stp_result write_sides(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    stp_store_sides* records = NULL;
+    stp_result result = stp_store_sides_of_content(w->context, w->content, &records);
+    if (result == STP_OK) {
+        result = write_table(w, STP_SECTION_SIDES, records, d->material_count + d->shading_count);
+    }
+    stp_free(w->context, records);
+    return result;
+}
+
 // One key per splat set, then one per mesh; no section if there are no keys.
 static stp_result write_keys(stp_store_writing* w)
 {
@@ -431,6 +444,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_table(w, type, d->level_groups, d->level_group_count);
     case STP_SECTION_LEVEL_FIGURES:
         return write_level_figures(w);
+    case STP_SECTION_SIDES:
+        return write_sides(w);
     case STP_SECTION_PAGES: // reserves the space; the checksums are written when all else is
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -479,6 +494,8 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
     case STP_SECTION_LEVEL_GROUPS:
     case STP_SECTION_LEVEL_FIGURES:
         return d->level_count != 0;
+    case STP_SECTION_SIDES:
+        return stp_store_tells_sides(d);
     default:
         return true;
     }

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// Splats of textured materials have the roughness, metal and emission of their texels.
+#include "support_level_scenes.h"
+#include "tests.h"
+
+#include "draw/draw.h"
+#include "scene/looks.h"
+#include "select/select.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CELLS = 120, SIDE = 96 };
+
+// Two by two texels: roughness is green, metal is blue.
+static const uint8_t surface_texels[16] = {0, 40,  0,   255, 0, 200, 255, 255,
+                                           0, 128, 128, 255, 0, 255, 0,   255};
+static const uint8_t glow_texels[16] = {0, 0, 0, 255, 255, 0, 0, 255, 0, 0, 128, 255, 0, 0, 0, 255};
+
+static bool add_texture(stp_scene* scene, const uint8_t* texels, uint32_t* index)
+{
+    stp_texture texture = {.width = 2, .height = 2, .nearest = true};
+    texture.wrap_u = texture.wrap_v = STP_WRAP_CLAMP;
+    texture.texels = stp_alloc(scene->context, 16);
+    if (texture.texels == NULL) {
+        return false;
+    }
+    memcpy(texture.texels, texels, 16);
+    return stp_scene_add_texture(scene, &texture, index) == STP_OK;
+}
+
+/// A sheet from -1 to 1 in the plane z = 0, facing +z; the texture's first row is at the top.
+static bool add_sheet(stp_scene* scene, uint32_t material)
+{
+    stp_mesh mesh = {.vertex_count = (CELLS + 1) * (CELLS + 1),
+                     .triangle_count = 2 * CELLS * CELLS,
+                     .material = material};
+    mesh.positions = stp_alloc_array(scene->context, 3 * (size_t)mesh.vertex_count, sizeof(float));
+    mesh.texcoords[0] =
+        stp_alloc_array(scene->context, 2 * (size_t)mesh.vertex_count, sizeof(float));
+    mesh.indices =
+        stp_alloc_array(scene->context, 3 * (size_t)mesh.triangle_count, sizeof(uint32_t));
+    if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
+        float u = (float)(i % (CELLS + 1)) / CELLS, v = (float)(i / (CELLS + 1)) / CELLS;
+        const float at[3] = {2.0f * u - 1.0f, 1.0f - 2.0f * v, 0.0f};
+        memcpy(mesh.positions + 3 * (size_t)i, at, sizeof(at));
+        mesh.texcoords[0][2 * (size_t)i] = u;
+        mesh.texcoords[0][2 * (size_t)i + 1] = v;
+    }
+    for (uint32_t i = 0; i < CELLS * CELLS; ++i) {
+        uint32_t a = i / CELLS * (CELLS + 1) + i % CELLS, c = a + CELLS + 1;
+        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
+        memcpy(mesh.indices + 6 * (size_t)i, corners, sizeof(corners));
+    }
+    uint32_t index = 0;
+    return stp_scene_add_mesh(scene, &mesh, &index) == STP_OK &&
+           stp_scene_add_object(scene,
+                                &(stp_object){.name = "sheet",
+                                              .parent = STP_NONE,
+                                              .transform = stp_affine_identity()},
+                                NULL) == STP_OK &&
+           stp_scene_add_part(scene, (stp_part){STP_PART_MESH, index}) == STP_OK;
+}
+
+static bool make_sheet(stp_scene* scene)
+{
+    stp_material m = stp_material_default();
+    uint32_t material = 0;
+    m.emissive[0] = m.emissive[1] = m.emissive[2] = 0.5f;
+    m.base_color[1] = m.base_color[2] = 0.3f;
+    return add_texture(scene, surface_texels, &m.metallic_roughness_texture.texture) &&
+           add_texture(scene, glow_texels, &m.emissive_texture.texture) &&
+           stp_scene_add_material(scene, &m, &material) == STP_OK && add_sheet(scene, material);
+}
+
+static float linear_of(uint8_t value)
+{
+    double x = value / 255.0;
+    return (float)(x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4));
+}
+
+/// The quadrant of the texture at a place; -1: near its border, or the sheet's.
+static int texel_at(double x, double y)
+{
+    bool clear = fabs(x) > 0.1 && fabs(y) > 0.1;
+    return !clear ? -1 : (x > 0.0 ? 1 : 0) + (y < 0.0 ? 2 : 0);
+}
+
+static bool has_texel(const stp_shading* s, int texel)
+{
+    const uint8_t *surface = surface_texels + 4 * texel, *glow = glow_texels + 4 * texel;
+    float worst = fmaxf(fabsf(s->roughness - (float)surface[1] / 255.0f),
+                        fabsf(s->metallic - (float)surface[2] / 255.0f));
+    for (int c = 0; c < 3; ++c) {
+        worst = fmaxf(worst, fabsf(s->emissive[c] - 0.5f * linear_of(glow[c])));
+    }
+    return worst < 1e-3f;
+}
+
+void test_splats_have_the_surface_of_their_texel(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    const level_build build = {.make = make_sheet, .no_levels = true};
+    stp_store* store = level_build_open(context, &build);
+    CHECK(store != NULL);
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t checked = 0;
+    CHECK(d->set_count > 0);
+    for (uint32_t i = 0; i < d->set_count; ++i) {
+        stp_splats set;
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, i, &set));
+        for (uint32_t k = 0; k < set.count; ++k) {
+            stp_vec3d at = stp_splat_place(&set, k);
+            int texel = texel_at(at.x, at.y);
+            if (texel >= 0) {
+                CHECK(set.materials[k] < d->shading_count);
+                CHECK(has_texel(&d->shadings[set.materials[k]], texel));
+                checked += 1;
+            }
+        }
+    }
+    CHECK(checked > 1000);
+    stp_store_close(store);
+    stp_context_destroy(context);
+}
+
+/// Draws and returns the picture's pixels.
+static bool draw(stp_context* context, stp_store* store, bool reference, uint8_t* pixels)
+{
+    stp_renderer* renderer = NULL;
+    stp_draw_list list = {0};
+    stp_draw_stats stats;
+    stp_image image = {SIDE, SIDE, pixels};
+    const stp_view view = {
+        .eye = {0, 0, 5}, .up = {0, 1, 0}, .fov_degrees = 24, .width = SIDE, .height = SIDE};
+    const stp_quality quality = {
+        .splat_size = 1, .reference = reference, .splats_only = !reference};
+    bool drawn = stp_draw_cpu_create(context, store, &renderer) == STP_OK &&
+                 stp_renderer_draw_selected(renderer, &view, &quality, &(stp_draw_style){0}, &list,
+                                            &image, &stats) == STP_OK &&
+                 stats.covered_pixels > SIDE * SIDE / 2 && (reference || stats.triangles == 0);
+    stp_draw_list_destroy(context, &list);
+    stp_renderer_destroy(renderer);
+    return drawn;
+}
+
+void test_splats_of_textured_surfaces_look_like_triangles(test_state* test)
+{
+    static uint8_t pixels[2][4 * SIDE * SIDE];
+    stp_context* context = test_context(NULL, 2, NULL);
+    const level_build build = {.make = make_sheet, .no_levels = true};
+    stp_store* store = level_build_open(context, &build);
+    CHECK(store != NULL && draw(context, store, true, pixels[0]) &&
+          draw(context, store, false, pixels[1]));
+    int different = 0;
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        int worst = 0;
+        for (int c = 0; c < 3; ++c) {
+            int off = abs(pixels[0][4 * i + c] - pixels[1][4 * i + c]);
+            worst = off > worst ? off : worst;
+        }
+        different += worst > 6 ? 1 : 0;
+    }
+    CHECK(different < SIDE * SIDE / 12); // along the borders of texels
+    stp_store_close(store);
+    stp_context_destroy(context);
+}
+
+void test_looks_are_few(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = NULL;
+    CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+    stp_material m = stp_material_default();
+    m.emissive[0] = m.emissive[1] = m.emissive[2] = 1.0f;
+    for (int kind = 0; kind < 2; ++kind) { // every value of two channels
+        stp_texture texture = {.width = 256, .height = 256};
+        texture.texels = stp_alloc(context, 256 * 256 * 4);
+        CHECK(texture.texels != NULL);
+        for (uint32_t i = 0; i < 256 * 256; ++i) {
+            const uint8_t texel[4] = {(uint8_t)(i * 7), (uint8_t)i, (uint8_t)(i >> 8), 255};
+            memcpy(texture.texels + 4 * (size_t)i, texel, 4);
+        }
+        texture.texels[0] = (uint8_t)kind; // two different textures
+        uint32_t* use =
+            kind == 0 ? &m.metallic_roughness_texture.texture : &m.emissive_texture.texture;
+        CHECK_EQUAL(STP_OK, stp_scene_add_texture(scene, &texture, use));
+    }
+    uint32_t material = 0;
+    CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &m, &material));
+    CHECK(add_sheet(scene, material));
+    CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+    CHECK_EQUAL(STP_OK, stp_scene_find_looks(scene));
+    CHECK(scene->look_count == 1 && scene->variant_count > 8 &&
+          scene->variant_count <= STP_LOOK_VARIANTS);
+    for (uint32_t i = 0; i < scene->variant_count; ++i) {
+        stp_variant v = stp_scene_get_variant(scene, i);
+        CHECK(v.roughness >= 0.0f && v.roughness <= 1.0f && v.metallic >= 0.0f &&
+              v.metallic <= 1.0f && v.emissive[0] >= 0.0f && v.emissive[0] <= 1.0f);
+    }
+    const stp_look* look = scene->looks;
+    for (int i = 0; i <= 10; ++i) { // bins hold what is put into them, within half a step
+        float metal = (float)i / 10.0f, roughness = 1.0f - metal;
+        uint32_t bin = stp_look_surface_bin(look, metal, roughness);
+        CHECK(fabsf(look->surface.values[bin][0] - metal) < 0.26f);
+        CHECK(fabsf(look->surface.values[bin][1] - roughness) < 0.11f);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
