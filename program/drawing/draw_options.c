@@ -102,7 +102,9 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .words = "auto|layers|pattern",
          .help =
              "transparent surfaces: layers (sorted, without noise) or pattern (dithered, in one "
-             "pass); default auto: pattern with --budget-ms and in flights, else layers",
+             "pass); default auto: layers, but pattern in flights without --budget-ms, which "
+             "leaves "
+             "layers out where they take too long",
          .value = &o->transparency,
          .rare = true},
         OPTION_CUES(&o->cues),
@@ -366,7 +368,7 @@ const char* draw_options_coarse_method(const draw_options* o, const stp_store* s
 
 stp_draw_style draw_options_style(const draw_options* o)
 {
-    bool moves = o->budget_ms > 0.0 || o->in_motion;
+    bool moves = o->in_motion && !(o->budget_ms > 0.0); // a budget decides for each frame
     bool pattern =
         o->transparency == TRANSPARENCY_AUTO ? moves : o->transparency == TRANSPARENCY_PATTERN;
     stp_draw_style style = o->settings.style;

@@ -98,20 +98,13 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects
-    double effect_ms; ///< CPU: part of shade_ms that eye-dome lighting and ambient occlusion took
+    /// Parts of shade_ms: eye-dome lighting and ambient occlusion, and layers of transparent surfaces
+    double effect_ms, layer_ms;
     uint64_t splats, triangles, fragments, covered_pixels;
     uint32_t draw_calls; ///< CPU: items drawn, for all eyes; OpenGL: draw calls of the last sample
     uint32_t samples;    ///< number of samples per pixel
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample
 } stp_draw_stats;
-
-/// Time that a picture without ambient occlusion would have saved. 0 beside eye-dome lighting, which
-/// shares its passes.
-static inline double stp_draw_occlusion_ms(const stp_draw_style* style, const stp_draw_stats* stats)
-{
-    bool alone = style->ambient_occlusion > 0.0f && !(style->eye_dome > 0.0f);
-    return alone ? stats->effect_ms : 0.0;
-}
 
 typedef struct stp_renderer stp_renderer;
 

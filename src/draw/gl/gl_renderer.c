@@ -143,6 +143,8 @@ static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
     stats->fragments = r->target.eye_count * r->timer.fragments;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
+    stats->effect_ms = parts * r->timer.effect_ms;
+    stats->layer_ms = parts * r->timer.layer_ms;
 }
 
 void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats)
