@@ -29,9 +29,11 @@ typedef enum stp_filter {
 /// Drawing of transparent surfaces.
 typedef enum stp_transparency {
     STP_TRANSPARENCY_LAYERS, ///< sorted and composited: a picture without noise
-    /// Screen-door pattern that is stable between frames, in one pass: for motion, or if memory is
-    /// short.
+    /// Screen-door pattern that is stable between frames, in one pass: if memory is short.
     STP_TRANSPARENCY_PATTERN,
+    /// The nearest layer over the opaque surface, as opaque as all layers together: for motion. A
+    /// picture without noise, which takes one pass over the transparent surfaces.
+    STP_TRANSPARENCY_NEAREST,
 } stp_transparency;
 
 /// Colouring of pixels.

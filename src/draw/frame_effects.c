@@ -42,7 +42,7 @@ stp_draw_style stp_draw_style_without(const stp_draw_style* style, uint32_t left
     }
     if ((left_out >> STP_EFFECT_LAYERS & 1u) != 0 &&
         style->transparency == STP_TRANSPARENCY_LAYERS) {
-        less.transparency = STP_TRANSPARENCY_PATTERN;
+        less.transparency = STP_TRANSPARENCY_NEAREST;
     }
     return less;
 }

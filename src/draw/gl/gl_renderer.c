@@ -172,7 +172,7 @@ static bool works_on_bytes(const stp_gl_renderer* r, const stp_draw_style* style
                            const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
-    bool layers = r->layer_pass.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
+    bool layers = r->layer_pass.possible && style->transparency != STP_TRANSPARENCY_PATTERN;
     return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps || layers;
 }
 

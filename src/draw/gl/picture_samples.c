@@ -111,6 +111,7 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
         .recolors = (uint32_t)r->style->coloring,
         .scale_first = SHADINGS + r->directory->material_count,
         .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
+        .nearest_only = r->style->transparency == STP_TRANSPARENCY_NEAREST ? 1 : 0,
         .ghost_seed = GHOST_SEED,
         .ghost_splats = stp_placement_ghost_part(ghost)};
     view.screen[0] = (float)(f->center_x + p->shift_x);
