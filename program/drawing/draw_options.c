@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum { HYBRID_ON, HYBRID_NODES, HYBRID_OFF };
-enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN };
+enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN, TRANSPARENCY_NEAREST };
 
 static size_t copy_options(option* table, size_t used, const option* from)
 {
@@ -99,10 +99,11 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
         {.name = "transparency",
          .type = OPTION_CHOICE,
          .argument = "NAME",
-         .words = "auto|layers|pattern",
+         .words = "auto|layers|pattern|nearest",
          .help =
-             "transparent surfaces: layers (sorted, without noise) or pattern (dithered, in one "
-             "pass); default auto: pattern with --budget-ms and in flights, else layers",
+             "transparent surfaces: layers (all, sorted), nearest (one layer, as opaque as all) or "
+             "pattern (dithered); default auto: layers, but nearest in flights without "
+             "--budget-ms; --budget-ms draws nearest instead of layers where those take too long",
          .value = &o->transparency,
          .rare = true},
         OPTION_CUES(&o->cues),
@@ -366,11 +367,16 @@ const char* draw_options_coarse_method(const draw_options* o, const stp_store* s
 
 stp_draw_style draw_options_style(const draw_options* o)
 {
-    bool moves = o->budget_ms > 0.0 || o->in_motion;
-    bool pattern =
-        o->transparency == TRANSPARENCY_AUTO ? moves : o->transparency == TRANSPARENCY_PATTERN;
+    static const stp_transparency transparencies[] = {
+        [TRANSPARENCY_LAYERS] = STP_TRANSPARENCY_LAYERS,
+        [TRANSPARENCY_PATTERN] = STP_TRANSPARENCY_PATTERN,
+        [TRANSPARENCY_NEAREST] = STP_TRANSPARENCY_NEAREST,
+    };
+    bool moves = o->in_motion && !(o->budget_ms > 0.0); // a budget decides for each frame
+    int by_default = moves ? TRANSPARENCY_NEAREST : TRANSPARENCY_LAYERS;
     stp_draw_style style = o->settings.style;
-    style.transparency = pattern ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
+    style.transparency =
+        transparencies[o->transparency == TRANSPARENCY_AUTO ? by_default : o->transparency];
     return style;
 }
 

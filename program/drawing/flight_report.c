@@ -24,6 +24,19 @@ static json_t* describe_qualities(const flight_record* record)
     return list;
 }
 
+/// Names of the effects that a frame was drawn without.
+static json_t* describe_left_out(uint32_t left_out)
+{
+    static const char* const names[STP_EFFECT_COUNT] = {"occlusion", "antialiasing", "layers"};
+    json_t* list = json_array();
+    for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+        if ((left_out >> i & 1u) != 0) {
+            json_array_append_new(list, json_string(names[i]));
+        }
+    }
+    return list;
+}
+
 static json_t* describe_frames(const flight_record* record)
 {
     json_t* list = json_array();
@@ -32,6 +45,9 @@ static json_t* describe_frames(const flight_record* record)
         json_t* frame = frame_describe(f);
         json_object_set_new(frame, "t", json_real(record->times[i]));
         json_object_set_new(frame, "extra_splats", json_integer((json_int_t)f->extra_splats));
+        if (record->budget_ms > 0.0) {
+            json_object_set_new(frame, "left_out", describe_left_out(f->left_out));
+        }
         if (record->has_popping) {
             json_object_set_new(frame, "popping", json_real(record->poppings[i]));
         }

@@ -88,16 +88,17 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
     stp_budget budget;
     stp_budget_init(&budget, plan->controller, plan->budget_ms);
     stp_quality quality = plan->quality;
-    float occlusion = maker->style.ambient_occlusion;
+    const stp_draw_style whole = maker->style;
     stp_result result = warm_up(maker, plan, record, &budget, image);
     for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
         stp_view view = view_of_frame(plan, record, i);
         if (plan->budget_ms > 0.0) {
             quality.splat_size = stp_budget_splat_size(&budget);
-            maker->style.ambient_occlusion = stp_budget_allows_effects(&budget) ? occlusion : 0.0f;
         }
+        uint32_t left_out = plan->budget_ms > 0.0 ? stp_budget_left_out(&budget) : 0;
+        maker->style = stp_draw_style_without(&whole, left_out);
         result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
-        record->frames[i].occlusion = maker->style.ambient_occlusion;
+        record->frames[i].left_out = left_out;
         stp_frame_cost cost = frame_cost(&record->frames[i]);
         stp_budget_update(&budget, &cost);
         if (result == STP_OK) {
@@ -105,7 +106,7 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
                 stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);
         }
     }
-    maker->style.ambient_occlusion = occlusion;
+    maker->style = whole;
     return result;
 }
 
@@ -213,10 +214,10 @@ static stp_result study_frame(study* s, uint32_t i)
     if (plan->budget_ms > 0.0) {
         quality.splat_size = s->record->frames[i].splat_size;
     }
-    float occlusion = s->maker->style.ambient_occlusion;
-    s->maker->style.ambient_occlusion = s->record->frames[i].occlusion;
+    const stp_draw_style style = s->maker->style;
+    s->maker->style = stp_draw_style_without(&style, s->record->frames[i].left_out);
     stp_result result = frame_draw_loaded(s->maker, &view, &quality, &s->ours[i & 1], &figures);
-    s->maker->style.ambient_occlusion = occlusion;
+    s->maker->style = style;
     if (result == STP_OK && plan->sink != NULL) {
         result = frame_do(s->maker, get_picture, s);
     }

@@ -189,7 +189,6 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
                                .select_ms = stats->select_ms,
                                .draw_ms = stats->draw_ms,
                                .shade_ms = stats->shade_ms,
-                               .effect_ms = stp_draw_occlusion_ms(style, stats),
                                .splat_size = maker->list.splat_size,
                                .splats = stats->splats,
                                .triangles = stats->triangles,
@@ -201,6 +200,7 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
                                .nodes = maker->list.node_count,
                                .draw_calls = stats->draw_calls,
                                .layers = stats->layers};
+    stp_draw_split_effects(style, stats, figures->frame_ms, figures->effect_ms);
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -261,14 +261,15 @@ stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_
 
 stp_frame_cost frame_cost(const frame_figures* figures)
 {
-    return (stp_frame_cost){.milliseconds = figures->frame_ms,
-                            .splats = figures->listed_splats,
-                            .fragments = figures->fragments,
-                            .triangles = figures->listed_triangles,
-                            .covered_pixels = figures->covered_pixels,
-                            .draw_calls = (uint32_t)figures->draw_calls,
-                            .splat_size = figures->splat_size,
-                            .effect_ms = figures->effect_ms};
+    stp_frame_cost cost = {.milliseconds = figures->frame_ms,
+                           .splats = figures->listed_splats,
+                           .fragments = figures->fragments,
+                           .triangles = figures->listed_triangles,
+                           .covered_pixels = figures->covered_pixels,
+                           .draw_calls = (uint32_t)figures->draw_calls,
+                           .splat_size = figures->splat_size};
+    memcpy(cost.effect_ms, figures->effect_ms, sizeof(cost.effect_ms));
+    return cost;
 }
 
 stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
@@ -277,25 +278,25 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
     frame_figures figures;
     double start = stp_clock_ms();
     int steady = 0;
-    float occlusion = maker->style.ambient_occlusion;
+    const stp_draw_style whole = maker->style;
     stp_result result = STP_OK;
     quality->splat_size = stp_budget_splat_size(budget);
     for (int i = 0; i < SETTLE_FRAMES && steady < STEADY_FRAMES && result == STP_OK &&
                     stp_clock_ms() - start < settle_ms && !tool_is_interrupted();
          ++i) {
-        maker->style.ambient_occlusion = stp_budget_allows_effects(budget) ? occlusion : 0.0f;
+        maker->style = stp_draw_style_without(&whole, stp_budget_left_out(budget));
         result = frame_draw(maker, view, quality, image, &figures);
         if (result == STP_OK) {
             stp_frame_cost cost = frame_cost(&figures);
             stp_budget_update(budget, &cost);
             float next = stp_budget_splat_size(budget);
             double change = fabs((double)next / (double)quality->splat_size - 1.0);
-            bool decided = stp_budget_allows_effects(budget) || budget->calm_frames == 0;
+            bool decided = stp_budget_has_decided(budget);
             steady = change <= steady_change && decided ? steady + 1 : 0;
             quality->splat_size = next;
         }
     }
-    maker->style.ambient_occlusion = occlusion;
+    maker->style = whole;
     return result;
 }
 

@@ -2,17 +2,16 @@
 // Frames of a scene: selected, drawn, shaded and timed.
 #pragma once
 
-#include "draw/draw.h"
+#include "draw/frame_effects.h"
 #include "program/options/command.h"
 #include "program/present/headless.h"
-#include "select/budget.h"
 
 /// Figures and times of a frame.
 typedef struct frame_figures {
     double frame_ms, select_ms, draw_ms, shade_ms; ///< the first is select, draw and shade
-    double effect_ms; ///< of ambient occlusion, by the CPU; 0: not drawn
-    float occlusion;  ///< radius of ambient occlusion that a frame of a flight was drawn with
-    float splat_size; ///< in effect
+    double effect_ms[STP_EFFECT_COUNT];            ///< as in stp_frame_cost
+    uint32_t left_out; ///< effects that a frame of a flight was drawn without (stp_budget_left_out)
+    float splat_size;  ///< in effect
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
     uint64_t extra_splats;                    ///< drawn while levels blend
@@ -85,8 +84,7 @@ STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* vie
                                          stp_image* image);
 
 /// Draws the view until the budget settles on a splat size; gives up after 150 frames, 20 seconds
-/// or an interrupt. Sets quality->splat_size. Draws without ambient occlusion while the budget leaves
-/// it out.
+/// or an interrupt. Sets quality->splat_size. Draws without the effects that the budget leaves out.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                                      stp_quality* quality, stp_image* image);
 

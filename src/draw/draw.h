@@ -29,9 +29,11 @@ typedef enum stp_filter {
 /// Drawing of transparent surfaces.
 typedef enum stp_transparency {
     STP_TRANSPARENCY_LAYERS, ///< sorted and composited: a picture without noise
-    /// Screen-door pattern that is stable between frames, in one pass: for motion, or if memory is
-    /// short.
+    /// Screen-door pattern that is stable between frames, in one pass: if memory is short.
     STP_TRANSPARENCY_PATTERN,
+    /// The nearest layer over the opaque surface, as opaque as all layers together: for motion. A
+    /// picture without noise, which takes one pass over the transparent surfaces.
+    STP_TRANSPARENCY_NEAREST,
 } stp_transparency;
 
 /// Colouring of pixels.
@@ -101,7 +103,8 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects
-    double effect_ms; ///< CPU: part of shade_ms that eye-dome lighting and ambient occlusion took
+    /// Parts of shade_ms: eye-dome lighting and ambient occlusion, and layers of transparent surfaces
+    double effect_ms, layer_ms;
     /// Drawn: splats of the wanted level that are not hidden, in the picture; triangles of clusters
     /// in view that are not hidden. Mean of the samples, sum of the eyes
     uint64_t splats, triangles;
@@ -111,14 +114,6 @@ typedef struct stp_draw_stats {
     uint32_t samples;    ///< number of samples per pixel
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample
 } stp_draw_stats;
-
-/// Time that a picture without ambient occlusion would have saved. 0 beside eye-dome lighting, which
-/// shares its passes.
-static inline double stp_draw_occlusion_ms(const stp_draw_style* style, const stp_draw_stats* stats)
-{
-    bool alone = style->ambient_occlusion > 0.0f && !(style->eye_dome > 0.0f);
-    return alone ? stats->effect_ms : 0.0;
-}
 
 typedef struct stp_renderer stp_renderer;
 

@@ -16,6 +16,16 @@ enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are le
 // Below this transmittance, farther layers are skipped.
 #define STP_LAYERS_CLEAR (1.0f / 1024.0f)
 
+/// Units of optical depth, whose sums are optical depths of several layers: half of the light passes
+/// one. Whole numbers, so that sums do not depend on the order.
+#define STP_OPTICAL_UNIT 4096
+/// Optical depth of an opacity, below STP_ALPHA_OPAQUE_FROM; rounds it to a byte.
+static inline uint32_t stp_optical_depth(float opacity)
+{
+    float byte = floorf(stp_clamp(opacity, 0.0f, 254.0f / 255.0f) * 255.0f + 0.5f);
+    return (uint32_t)(-log2f(1.0f - byte * (1.0f / 255.0f)) * (float)STP_OPTICAL_UNIT + 0.5f);
+}
+
 /// Whether some triangles or splats of a scene may be transparent.
 bool stp_transparency_of_scene(const stp_store_directory* directory);
 

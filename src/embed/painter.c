@@ -91,16 +91,16 @@ void stp_painter_destroy(stp_painter* painter)
 /// Collects OpenGL's measurements of the previous picture, which is finished by now.
 static void update_budget_pending(stp_painter* painter)
 {
-    stp_draw_stats stats = {0};
+    stp_draw_stats* stats = &painter->pending;
     if (!painter->has_pending) {
         return;
     }
     painter->has_pending = false;
-    stp_draw_gl_finish_stats(painter->renderer, &stats);
-    painter->pending.milliseconds += stats.draw_ms + stats.shade_ms;
-    painter->pending.fragments = stats.fragments;
-    painter->pending.covered_pixels = stats.covered_pixels;
-    stp_budget_update(&painter->budget, &painter->pending);
+    stp_draw_gl_finish_stats(painter->renderer, stats);
+    stp_frame_cost cost =
+        stp_draw_frame_cost(&painter->pending_style, stats, painter->list.splat_size,
+                            painter->pending_ms + stats->draw_ms + stats->shade_ms);
+    stp_budget_update(&painter->budget, &cost);
 }
 
 /// Splat size for a budget, at least the requested one.
@@ -121,19 +121,15 @@ static float choose_size(stp_painter* painter, double budget_ms, float minimum)
 
 static void update_budget(stp_painter* painter, const picture* p)
 {
-    stp_frame_cost cost = {.milliseconds = p->frame_ms,
-                           .splats = p->stats.listed_splats,
-                           .fragments = p->stats.fragments,
-                           .triangles = p->stats.listed_triangles,
-                           .covered_pixels = p->stats.covered_pixels,
-                           .draw_calls = p->stats.draw_calls,
-                           .splat_size = painter->list.splat_size,
-                           .effect_ms = stp_draw_occlusion_ms(&p->style, &p->stats)};
     assert(!painter->has_pending && "the previous picture's cost would be lost");
     if (painter->uses_gl && p->image == NULL) { // the GPU is still working
-        painter->pending = cost;
+        painter->pending = p->stats;
+        painter->pending_style = p->style;
+        painter->pending_ms = p->frame_ms;
         painter->has_pending = true;
     } else {
+        stp_frame_cost cost =
+            stp_draw_frame_cost(&p->style, &p->stats, painter->list.splat_size, p->frame_ms);
         stp_budget_update(&painter->budget, &cost);
     }
 }
@@ -316,8 +312,8 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     p.complete = desc.complete;
     p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
     bool budgeted = desc.budget_ms > 0.0 && !p.accumulates;
-    if (budgeted && !stp_budget_allows_effects(&painter->budget)) {
-        p.style.ambient_occlusion = 0.0f;
+    if (budgeted) {
+        p.style = stp_draw_style_without(&p.style, stp_budget_left_out(&painter->budget));
     }
     painter->view.width = 0;
     begin_stopping(painter);

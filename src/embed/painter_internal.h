@@ -3,8 +3,8 @@
 #pragma once
 
 #include "draw/draw_gl.h"
+#include "draw/frame_effects.h"
 #include "embed/model_internal.h"
-#include "select/budget.h"
 
 #include <stipple/paint.h>
 
@@ -18,7 +18,10 @@ struct stp_painter {
     // frame-time controller, and its budget; 0: none yet
     stp_budget budget;
     double budget_ms;
-    stp_frame_cost pending; ///< cost of the last picture; its OpenGL time is still missing
+    // the last picture, while its OpenGL time is still missing
+    stp_draw_stats pending;
+    stp_draw_style pending_style;
+    double pending_ms;
     bool has_pending;
     stp_view view; ///< view of the last picture; width 0: none
     uint8_t* rows; ///< tightly packed pixels, for callers whose rows are farther apart

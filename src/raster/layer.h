@@ -14,6 +14,8 @@ typedef struct stp_raster_layer {
     /// surface overlap and count once.
     const float* splats_below;
     uint64_t* found; ///< counts the fragments between the two, drawn or not
+    /// The test of triangle fragments (`keep`) wants all of them between the two, nearest or not
+    bool tests_all;
 } stp_raster_layer;
 
 /// Whether a triangle fragment lies between; `at` is the index of its pixel.

@@ -75,14 +75,18 @@ static void draw_fragment(const kept_triangle* kept, const stp_triangle_window* 
     const stp_raster_mesh* mesh = kept->mesh;
     uint64_t pixel = stp_raster_pixel(nearness, kept->id);
     uint64_t* place = stp_triangle_row(window, y) + x;
-    if ((mesh->layer != NULL &&
-         !stp_layer_has(mesh->layer, (size_t)(place - window->pixels), pixel)) ||
-        pixel >= *place) {
+    const stp_raster_layer* layer = mesh->layer;
+    if (layer != NULL && !stp_layer_has(layer, (size_t)(place - window->pixels), pixel)) {
+        return;
+    }
+    bool nearest = pixel < *place;
+    if (!nearest && (layer == NULL || !layer->tests_all)) {
         return;
     }
     float weight1, weight2;
     weights_at(kept->corner, (double)x + 0.5, (double)y + 0.5, &weight1, &weight2);
-    if (mesh->keep(mesh->keep_user, kept->triangle, weight1, weight2, (uint32_t)x, (uint32_t)y)) {
+    if (mesh->keep(mesh->keep_user, kept->triangle, weight1, weight2, (uint32_t)x, (uint32_t)y) &&
+        nearest) {
         *place = pixel;
     }
 }

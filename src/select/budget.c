@@ -49,10 +49,16 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
 #define EFFECT_SHARE 0.05 // effects that take less of the budget are never left out
 #define EFFECT_SIZE 1.5   // nor others while splats are at most this large,
-#define EFFECT_MOST 0.75  // unless they take more of the budget than this
+#define EFFECT_MOST 0.75  // unless all effects take more of the budget than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
-#define EFFECT_FRAMES 15  // for so many frames, before they return
-#define EFFECT_PROOF 3    // frames with effects before they are judged: the first one is cold
+#define EFFECT_FRAMES 15  // for so many frames, before the next one returns
+// Frames with an effect before it is judged. The first frame is cold, but many samples or layers may
+// take so long that a second one is not worth it.
+static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1};
+#define TRIAL_AFTER 40  // late frames in a row before finer splats are tried
+#define TRIAL_PAUSE 120 // frames after a trial that failed
+#define TRIAL_LOSS 1.06 // factor on the time that finer splats may take
+#define TRIAL_FOLLOWS 0.05
 #define TREND_FOLLOWS 0.5
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
@@ -80,9 +86,18 @@ float stp_budget_splat_size(const stp_budget* budget)
     return budget->splat_size;
 }
 
-bool stp_budget_allows_effects(const stp_budget* budget)
+uint32_t stp_budget_left_out(const stp_budget* budget)
 {
-    return !budget->without_effects;
+    uint32_t bits = 0;
+    for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+        bits |= budget->effects[i].left_out ? 1u << i : 0u;
+    }
+    return bits;
+}
+
+bool stp_budget_has_decided(const stp_budget* budget)
+{
+    return budget->calm_frames == 0;
 }
 
 static float clamp_size(double size, double maximum)
@@ -281,10 +296,9 @@ static void update_trend(stp_budget* b, const stp_frame_cost* cost,
 // Smallest factor on the last size that keeps the next frame in time. Sizes shrink slowly, as the
 // model may be wrong; but if each of the last frames left time over, that time bounds the factor.
 // (A single frame is not enough: a view that empties suddenly can fill as suddenly.)
-static double find_finest(stp_budget* b, double milliseconds, double goal)
+static double find_finest(const stp_budget* b, double goal)
 {
-    b->times[b->frames % STP_BUDGET_RATIOS] = milliseconds;
-    uint64_t known = b->frames + 1 < STP_BUDGET_RATIOS ? b->frames + 1 : STP_BUDGET_RATIOS;
+    uint64_t known = b->frames < STP_BUDGET_RATIOS ? b->frames : STP_BUDGET_RATIOS;
     double slowest = 0.0;
     for (uint64_t i = 0; i < known; ++i) {
         slowest = fmax(slowest, b->times[i]);
@@ -294,31 +308,52 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
                                      : fmin(steady, pow(slowest / goal, 1.0 / MAX_EXPONENT));
 }
 
-/// The time of effects in a frame like the last one: it follows the covered pixels.
-static double expect_effects(const stp_budget* b)
+/// The time of an effect in a frame that covers so many pixels.
+static double expect_effect(const stp_budget_effect_state* e, uint64_t covered_pixels)
 {
-    double pixels = (double)b->effect_pixels, now = (double)b->last.covered_pixels;
-    return pixels > 0.0 && now < pixels ? b->effect_ms * now / pixels : b->effect_ms;
+    double pixels = (double)e->pixels, now = (double)covered_pixels;
+    return now < pixels ? e->ms * now / pixels : e->ms;
 }
 
-/// Learns the time of a frame's effects. A single slow frame counts as in the speed.
-static void update_effects(stp_budget* b, const stp_frame_cost* cost)
+/// Learns the times of a frame's effects. A single slow frame counts as in the speed.
+static void update_effects(stp_budget* b, const stp_frame_cost* cost, double own_ms)
 {
-    if (b->without_effects) {
-        return;
+    double rest = own_ms;
+    for (int i = STP_EFFECT_COUNT; i-- > 0;) {
+        stp_budget_effect_state* e = &b->effects[i];
+        if (e->left_out) {
+            continue;
+        }
+        bool known = e->ms > 0.0 && e->frames >= effect_proof[i];
+        double most =
+            known ? SLOW_FRAME * expect_effect(e, cost->covered_pixels) : cost->effect_ms[i];
+        e->ms = fmin(cost->effect_ms[i], fmax(most, 0.01 * b->budget_ms));
+        e->share = cost->effect_ms[i] / rest;
+        e->pixels = cost->covered_pixels;
+        e->frames = cost->effect_ms[i] > 0.0 ? e->frames + 1 : 0;
+        rest += cost->effect_ms[i];
     }
-    bool known = b->effect_ms > 0.0 && b->effect_frames >= EFFECT_PROOF;
-    double most = known ? SLOW_FRAME * expect_effects(b) : cost->effect_ms;
-    b->effect_ms = fmin(cost->effect_ms, fmax(most, 0.01 * b->budget_ms));
-    b->effect_pixels = cost->covered_pixels;
-    b->effect_frames = cost->effect_ms > 0.0 ? b->effect_frames + 1 : 0;
 }
 
-/// The part of the budget that the next frame's effects leave.
+/// Whether an effect is drawn, and known well enough to be judged.
+static bool is_judged(const stp_budget* b, int effect)
+{
+    const stp_budget_effect_state* e = &b->effects[effect];
+    return !e->left_out && e->frames >= effect_proof[effect];
+}
+
+/// The part of the budget that the next frame's effects leave. Unknown effects do not make splats
+/// larger.
 static double time_for_detail(const stp_budget* b)
 {
-    double effects = b->without_effects ? 0.0 : b->effect_ms;
-    return fmax(b->budget_ms - effects, (1.0 - EFFECT_MOST) * b->budget_ms);
+    double left = b->budget_ms;
+    for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+        const stp_budget_effect_state* e = &b->effects[i];
+        if (is_judged(b, i)) {
+            left = i == STP_EFFECT_ANTIALIASING ? left / (1.0 + e->share) : left - e->ms;
+        }
+    }
+    return fmax(left, (1.0 - EFFECT_MOST) * b->budget_ms);
 }
 
 // Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
@@ -330,25 +365,75 @@ static double find_coarsest(const stp_budget* b, double milliseconds)
     return stp_clampd(late / time_for_detail(b), 1.0, FASTEST_COARSER);
 }
 
-/// Leaves effects out while splats would be larger because of them.
-/// @param size  of splats for which there is time beside them, if they are drawn
-static void choose_effects(stp_budget* b, double size)
+/// Leaves effects out while splats would be larger because of them: as many as necessary, in their
+/// order. @param margin  factor on the time for detail
+/// @return the size for which there is time beside the others, however large its change
+static double leave_effects(stp_budget* b, double margin)
 {
-    if (!b->without_effects) {
-        bool dear = b->effect_ms > EFFECT_SHARE * b->budget_ms;
-        bool most = b->effect_ms > EFFECT_MOST * b->budget_ms;
-        b->without_effects =
-            ((dear && size > EFFECT_SIZE) || most) && b->effect_frames >= EFFECT_PROOF;
-        b->calm_frames = 0;
-        return;
+    double size = solve_size(b, margin * time_for_detail(b));
+    for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < STP_EFFECT_COUNT; ++k) {
+            sum += is_judged(b, k) ? b->effects[k].ms : 0.0;
+        }
+        bool dear = b->effects[i].ms > EFFECT_SHARE * b->budget_ms;
+        if (is_judged(b, i) && dear && (size > EFFECT_SIZE || sum > EFFECT_MOST * b->budget_ms)) {
+            b->effects[i].left_out = true;
+            b->calm_frames = 0;
+            size = solve_size(b, margin * time_for_detail(b));
+        }
     }
-    double wanted = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN) + expect_effects(b);
-    b->calm_frames = wanted <= EFFECT_ROOM * b->budget_ms ? b->calm_frames + 1 : 0;
-    b->without_effects = b->calm_frames < EFFECT_FRAMES;
+    return size;
 }
 
-/// `cost` is without effects. @return the size for which there is time, however large its change
-static double predict(stp_budget* b, const stp_frame_cost* cost)
+/// Takes back the effect that was left out last, once there was time for it during some frames.
+static void return_effect(stp_budget* b)
+{
+    double detail = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN), wanted = detail;
+    int next = -1;
+    for (int i = STP_EFFECT_COUNT; i-- > 0 && next < 0;) {
+        const stp_budget_effect_state* e = &b->effects[i];
+        wanted += i == STP_EFFECT_ANTIALIASING ? e->share * wanted
+                                               : expect_effect(e, b->last.covered_pixels);
+        next = e->left_out ? i : next;
+    }
+    // no effect returns that would be left out again
+    bool fits = wanted <= EFFECT_ROOM * b->budget_ms &&
+                wanted - detail <= EFFECT_ROOM * EFFECT_MOST * b->budget_ms;
+    b->calm_frames = next >= 0 && fits ? b->calm_frames + 1 : 0;
+    if (b->calm_frames >= EFFECT_FRAMES) {
+        b->effects[next].left_out = false;
+        b->effects[next].frames = 0;
+        b->calm_frames = 0;
+    }
+}
+
+/// If no size meets the budget, larger splats may be no faster, but the model cannot know that while
+/// the size stays the same. So finer splats are tried, and kept as long as they take no more time.
+/// @param size  that the model chooses  @return the size to use
+static double try_finer(stp_budget* b, const stp_frame_cost* cost, double size)
+{
+    bool late = cost->milliseconds > OVERSHOOT * time_for_detail(b);
+    double middle = middle_of(b->times), used = (double)cost->splat_size;
+    bool fails = b->trial_ms > 0.0 && middle > TRIAL_LOSS * b->trial_ms;
+    if (!late || fails) {
+        b->late_frames = late ? -TRIAL_PAUSE : 0;
+        b->trial_ms = 0.0;
+        return size;
+    }
+    b->late_frames += 1;
+    if (!(b->trial_ms > 0.0) && b->late_frames >= TRIAL_AFTER) {
+        b->trial_ms = middle;
+    }
+    if (b->trial_ms > 0.0 &&
+        used <= (double)STP_SPLAT_SIZE_MIN) { // it succeeded: averages the noise of frames
+        b->trial_ms += TRIAL_FOLLOWS * (middle - b->trial_ms);
+    }
+    return b->trial_ms > 0.0 ? fmin(size, used * FASTEST_FINER) : size;
+}
+
+/// `cost` is without effects.
+static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
@@ -359,14 +444,16 @@ static double predict(stp_budget* b, const stp_frame_cost* cost)
     b->last = *cost;
     double scatter = b->scatter < MAX_SCATTER ? b->scatter : MAX_SCATTER;
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
-    double goal = time_for_detail(b) * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
-    double finer = find_finest(b, cost->milliseconds, goal);
+    margin = fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
+    b->times[b->frames % STP_BUDGET_RATIOS] = cost->milliseconds;
     b->frames += 1;
-    double solved = solve_size(b, goal);
+    double solved = leave_effects(b, margin);
+    double finer = find_finest(b, margin * time_for_detail(b));
     double size = fmax(solved, (double)cost->splat_size * finer);
     size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
+    size = try_finer(b, cost, size);
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
-    return solved;
+    return_effect(b);
 }
 
 void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
@@ -380,9 +467,12 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
         b->frames += 1;
     } else {
         stp_frame_cost own = *cost;
-        own.milliseconds -= stp_clampd(cost->effect_ms, 0.0, 0.99 * cost->milliseconds);
-        update_effects(b, cost);
-        choose_effects(b, predict(b, &own));
+        for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+            own.milliseconds -= fmax(cost->effect_ms[i], 0.0);
+        }
+        own.milliseconds = fmax(own.milliseconds, 0.01 * cost->milliseconds);
+        update_effects(b, cost, own.milliseconds);
+        predict(b, &own);
     }
     assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);
 }

@@ -17,13 +17,23 @@ typedef enum stp_controller {
 /// for the predictive controller, if the budget cannot be met otherwise
 #define STP_SPLAT_SIZE_COARSEST 24.0f
 
+/// Effects of a frame that a budget leaves out before splats grow, in the order in which it does so.
+typedef enum stp_budget_effect {
+    STP_EFFECT_OCCLUSION,    ///< ambient occlusion
+    STP_EFFECT_ANTIALIASING, ///< all samples of a pixel but one
+    STP_EFFECT_LAYERS,       ///< all layers of transparent surfaces, instead of the nearest one
+    STP_EFFECT_COUNT
+} stp_budget_effect;
+
 /// Measurements of a frame.
 typedef struct stp_frame_cost {
     double milliseconds;
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
     float splat_size; ///< as used
-    double effect_ms; ///< part of the time, of effects that may be left out; 0: none were drawn
+    /// Parts of the time: what a frame without the effects before this one would have saved by leaving
+    /// it out, too. 0: it was not drawn
+    double effect_ms[STP_EFFECT_COUNT];
 } stp_frame_cost;
 
 enum {
@@ -32,6 +42,16 @@ enum {
     /// Number of recent frames whose median tracks changes of machine and scene
     STP_BUDGET_RATIOS = 3,
 };
+
+/// What a budget knows of an effect.
+typedef struct stp_budget_effect_state {
+    double ms; ///< when it was last drawn; 0: it was not wanted
+    double
+        share; ///< its time then, relative to the rest of the frame without the effects before it
+    uint64_t pixels; ///< covered then
+    uint32_t frames; ///< in a row that had it
+    bool left_out;
+} stp_budget_effect_state;
 
 typedef struct stp_budget {
     stp_controller controller;
@@ -52,13 +72,12 @@ typedef struct stp_budget {
     double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
     /// Logarithms of the expected time for counts over the forecast
     double growth[STP_BUDGET_RATIOS];
-    // Effects: their time when they were last drawn (0: they were not wanted) and the pixels covered
-    // then, how many frames in a row had them, and whether they are left out
-    double effect_ms;
-    uint64_t effect_pixels;
-    uint32_t effect_frames;
-    bool without_effects;
-    uint32_t calm_frames; ///< in a row that would have had time for them
+    // Trial of finer splats: frames in a row that were late (negative: a trial waits), and the time
+    // that it must keep (0: there is none)
+    int32_t late_frames;
+    double trial_ms;
+    stp_budget_effect_state effects[STP_EFFECT_COUNT];
+    uint32_t calm_frames; ///< in a row that would have had time for the effect that returns next
 } stp_budget;
 
 /// `budget_ms` above 0.
@@ -68,10 +87,12 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
-/// Whether the next frame may have effects (ambient occlusion): their time does not depend on the
-/// size of splats, so they are left out before splats grow. The paper's controller always allows
-/// them.
-bool stp_budget_allows_effects(const stp_budget* budget);
+/// Effects that the next frame must not have, as bits 1 << stp_budget_effect. Splats grow after all of
+/// them are left out. 0 with the paper's controller.
+uint32_t stp_budget_left_out(const stp_budget* budget);
+
+/// Whether no effect is about to return.
+bool stp_budget_has_decided(const stp_budget* budget);
 
 /// Call after each frame. Ignores a frame whose time or splat size is not positive, or whose time
 /// is 10^9 ms or more.

@@ -61,6 +61,7 @@ def load(name):
     assert len(f["per_frame"]) == f["frames"]
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
+        assert ("left_out" in frame) == (f["budget"] is not None) and not frame.pop("left_out", []), frame
         assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
             clusters triangles listed_splats listed_triangles nodes draw_calls covered_pixels layers gl""".split()), frame
         assert frame["splats"] <= frame["listed_splats"] and frame["triangles"] <= frame["listed_triangles"], frame

@@ -133,11 +133,12 @@ void test_glass_of_splats_is_as_opaque_as_of_triangles(test_state* test)
 
 void test_glass_does_not_depend_on_threads(test_state* test)
 {
-    for (int splats = 0; splats < 2; ++splats) {
+    for (int kind = 0; kind < 4; ++kind) {
         static uint8_t first[BYTES];
         for (uint32_t threads = 1; threads < 8; threads += 2) {
             made_picture p;
-            begin(test, &p, threads, splats ? add_splats : add_triangles);
+            begin(test, &p, threads, kind & 1 ? add_splats : add_triangles);
+            p.style.transparency = kind & 2 ? STP_TRANSPARENCY_NEAREST : STP_TRANSPARENCY_LAYERS;
             CHECK_EQUAL(STP_OK, made_picture_draw(&p));
             if (threads == 1) {
                 memcpy(first, p.pixels, BYTES);
@@ -205,6 +206,92 @@ void test_glass_before_nothing_is_transparent_in_the_picture(test_state* test)
     made_picture_end(&p);
 }
 
+/// A chequered wall behind two sheets of the same glass.
+static void add_panes(made_picture* p)
+{
+    static const float dark[4] = {0.05f, 0.06f, 0.1f, 1.0f}, grey[4] = {0.7f, 0.8f, 0.8f, 0.3f};
+    add_material(p, 1, dark);
+    add_material(p, 2, grey);
+    for (int i = 0; i < CHECKS; ++i) {
+        double x = -1.25 + 1.25 * (i % 3), y = i < 3 ? -1.25 : 1.25;
+        add_sheet(p, (uint32_t)i % 2, 0.0, (stp_vec3d){x, y, -2.0 - 0.01 * i}, false);
+    }
+    add_sheet(p, 2, 0.0, (stp_vec3d){-0.2, 0.0, 0.0}, false);
+    add_sheet(p, 2, 0.0, (stp_vec3d){0.2, 0.0, 1.0}, false);
+}
+
+/// The same wall behind one sheet of splats.
+static void add_pane_of_splats(made_picture* p)
+{
+    static const float grey[4] = {0.7f, 0.8f, 0.8f, 0.3f};
+    add_material(p, 1, grey);
+    add_sheet(p, 0, 0.0, (stp_vec3d){0.3, 0.2, -2.0}, false);
+    add_sheet(p, 1, 0.2, (stp_vec3d){0.2, 0.0, 1.0}, true);
+    p->quality.splat_size = 6;
+}
+
+/// Mean square of the differences of two pictures, and the mean difference, in levels.
+static double find_difference(const uint8_t* a, const uint8_t* b, double* mean)
+{
+    double square = 0.0;
+    *mean = 0.0;
+    for (int i = 0; i < BYTES; ++i) {
+        double d = (double)a[i] - (double)b[i];
+        *mean += d / BYTES;
+        square += d * d / BYTES;
+    }
+    return square;
+}
+
+/// In motion, the pictures differ from those at rest by rounding, not by noise.
+void test_glass_in_motion_is_as_calm_as_at_rest(test_state* test)
+{
+    static uint8_t layers[BYTES];
+    for (int splats = 0; splats < 2; ++splats) {
+        made_picture p;
+        begin(test, &p, 2, splats ? add_pane_of_splats : add_panes);
+        for (int frame = 0; frame < 6; ++frame) {
+            double mean;
+            p.view.eye.x = p.view.target.x = 0.07 * frame - 0.2;
+            p.style.transparency = STP_TRANSPARENCY_LAYERS;
+            CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+            CHECK_EQUAL(splats ? 1 : 2, p.stats.layers);
+            memcpy(layers, p.pixels, BYTES);
+            p.style.transparency = STP_TRANSPARENCY_PATTERN;
+            CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+            CHECK(find_difference(layers, p.pixels, &mean) > 200.0); // noise
+            p.style.transparency = STP_TRANSPARENCY_NEAREST;
+            CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+            CHECK_EQUAL(1, p.stats.layers);
+            CHECK(find_difference(layers, p.pixels, &mean) < 1.0);
+            CHECK(fabs(mean) < 0.5);
+        }
+        made_picture_end(&p);
+    }
+}
+
+/// Layers leave nothing behind in the renderer's memory.
+void test_glass_is_drawn_alike_after_any_picture(test_state* test)
+{
+    static uint8_t fresh[2][BYTES];
+    for (int round = 0; round < 2; ++round) {
+        made_picture p;
+        begin(test, &p, 2, add_triangles);
+        for (int i = 0; i < 6; ++i) {
+            int kind = round == 0 ? i / 3 : i % 2;
+            p.style.transparency = kind ? STP_TRANSPARENCY_NEAREST : STP_TRANSPARENCY_LAYERS;
+            p.view.eye.x = p.view.target.x = i % 3 == 1 ? 0.6 : 0.0; // others in between
+            CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+            if (i % 3 != 1 && round == 0) {
+                memcpy(fresh[kind], p.pixels, BYTES);
+            } else if (i % 3 != 1) {
+                CHECK(memcmp(fresh[kind], p.pixels, BYTES) == 0);
+            }
+        }
+        made_picture_end(&p);
+    }
+}
+
 /// One large sheet that fills the picture.
 static void add_large_sheet(made_picture* p)
 {
@@ -266,9 +353,9 @@ void test_glass_without_memory_for_layers_becomes_a_pattern(test_state* test)
 static void compare_styles(test_state* test, made_gl* m)
 {
     made_picture* p = &m->picture;
-    for (int variant = 0; variant < 4; ++variant) {
-        p->style.transparency = variant & 1 ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
-        p->style.supersample = variant & 2 ? 2 : 1;
+    for (int variant = 0; variant < 6; ++variant) {
+        p->style.transparency = (stp_transparency)(variant / 2);
+        p->style.supersample = variant & 1 ? 2 : 1;
         CHECK_EQUAL(STP_OK, made_picture_draw(p));
         uint64_t covered = p->stats.covered_pixels;
         uint32_t layers = p->stats.layers;

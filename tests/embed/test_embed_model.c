@@ -389,12 +389,14 @@ void test_embed_checks_options(test_state* test)
     CHECK(fault == NULL);
 }
 
-void test_embed_budget_leaves_ambient_occlusion_out(test_state* test)
+void test_embed_budget_leaves_effects_out(test_state* test)
 {
     static uint8_t plain[PIXELS], dark[PIXELS], budgeted[PIXELS], resting[PIXELS];
     const stp_paint_desc none = {.splat_size = 24.0f};
     const stp_paint_desc occlusion = {.splat_size = 24.0f, .ambient_occlusion = 0.1f};
-    stp_paint_desc budget = {.budget_ms = 1e-6, .splat_size = 24.0f, .ambient_occlusion = 0.1f};
+    stp_paint_desc budget = {
+        .budget_ms = 1e-6, .splat_size = 24.0f, .ambient_occlusion = 0.1f, .samples = 2};
+    stp_paint_report report = {.struct_size = sizeof(report)};
     const stp_view view = embed_view();
     opened_town town;
     stp_painter* painter = NULL;
@@ -402,12 +404,12 @@ void test_embed_budget_leaves_ambient_occlusion_out(test_state* test)
     CHECK(embed_draw(town.model, &none, plain) == STP_OK);
     CHECK(embed_draw(town.model, &occlusion, dark) == STP_OK);
     CHECK_EQUAL(STP_OK, stp_painter_create(town.model, NULL, &painter));
-    for (int i = 0; i < 6; ++i) { // three frames find out what it takes
+    for (int i = 0; i < 6; ++i) { // three frames find out what they take
         stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = budgeted};
-        CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));
+        CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, &report));
     }
+    CHECK_EQUAL(1, report.samples);
     budget.accumulate = true;
-    budget.samples = 2;
     stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = resting};
     CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));
     stp_painter_destroy(painter);

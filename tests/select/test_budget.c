@@ -437,10 +437,10 @@ static effect_outcome fly_with_effects(const machine* m, double budget_ms, doubl
     bool before = true;
     size_t count = 0;
     for (int i = 0; i < FRAMES; ++i) {
-        bool effects = stp_budget_allows_effects(&budget);
+        bool effects = stp_budget_left_out(&budget) == 0;
         stp_frame_cost cost = run_frame(m, i, stp_budget_splat_size(&budget));
-        cost.effect_ms = effects ? effect_ms : 0.0;
-        cost.milliseconds += cost.effect_ms;
+        cost.effect_ms[STP_EFFECT_OCCLUSION] = effects ? effect_ms : 0.0;
+        cost.milliseconds += effects ? effect_ms : 0.0;
         stp_budget_update(&budget, &cost);
         out.changes += effects != before ? 1 : 0;
         before = effects;
@@ -492,9 +492,9 @@ void test_budget_of_the_paper_ignores_effects(test_state* test)
     stp_budget_init(&without, STP_CONTROLLER_PAPER, 20.0);
     stp_frame_cost cost = {.milliseconds = 50.0, .splats = 1000, .splat_size = 2.0f};
     stp_budget_update(&without, &cost);
-    cost.effect_ms = 20.0;
+    cost.effect_ms[STP_EFFECT_OCCLUSION] = 20.0;
     stp_budget_update(&with, &cost);
-    CHECK(stp_budget_allows_effects(&with));
+    CHECK_EQUAL(0, stp_budget_left_out(&with));
     CHECK(stp_budget_splat_size(&with) == stp_budget_splat_size(&without));
 }
 
@@ -504,7 +504,7 @@ static int count_effects(stp_budget* budget, int count, double effect_ms, double
 {
     int with = 0;
     for (int i = 0; i < count; ++i) {
-        bool effects = stp_budget_allows_effects(budget);
+        bool effects = stp_budget_left_out(budget) == 0;
         double size = (double)stp_budget_splat_size(budget);
         stp_frame_cost cost = {.milliseconds = 2.0 + 18.0 * covered / (size * size),
                                .splats = (uint64_t)(3e6 * covered / (size * size)),
@@ -512,8 +512,8 @@ static int count_effects(stp_budget* budget, int count, double effect_ms, double
                                .covered_pixels = (uint64_t)(1e6 * covered),
                                .draw_calls = 100,
                                .splat_size = (float)size,
-                               .effect_ms = effects ? effect_ms : 0.0};
-        cost.milliseconds += cost.effect_ms;
+                               .effect_ms = {effects ? effect_ms : 0.0}};
+        cost.milliseconds += cost.effect_ms[STP_EFFECT_OCCLUSION];
         stp_budget_update(budget, &cost);
         with += effects ? 1 : 0;
     }
@@ -538,4 +538,135 @@ void test_budget_takes_effects_back_in_a_smaller_picture(test_state* test)
     CHECK(count_effects(&budget, 300, 40.0 / 16.0, 1.0 / 16.0) > 250);
     CHECK_EQUAL(300, count_effects(&budget, 300, 0.0, 1.0)); // not wanted any more
     CHECK(stp_budget_splat_size(&budget) < 1.01f);           // keeps no time for them
+}
+
+/// Detail, samples and effects of a frame: its model has a fixed part, a part that follows the size of
+/// splats, occlusion, 2 x 2 samples and layers.
+typedef struct lavish_machine {
+    double fixed_ms, detail_ms; ///< of one sample; the second at size 1
+    double occlusion_ms, layer_ms;
+    double noise;
+} lavish_machine;
+
+/// Draws a frame of a machine with the effects that the budget allows.
+static stp_frame_cost draw_lavish(stp_budget* budget, const lavish_machine* m, uint64_t frame)
+{
+    uint32_t left_out = stp_budget_left_out(budget);
+    double size = (double)stp_budget_splat_size(budget);
+    double noise = random_between(frame, 1.0 - m->noise, 1.0 + m->noise);
+    double samples = (left_out >> STP_EFFECT_ANTIALIASING & 1u) != 0 ? 1.0 : 4.0;
+    double occlusion = (left_out >> STP_EFFECT_OCCLUSION & 1u) != 0 ? 0.0 : m->occlusion_ms;
+    double layers = (left_out >> STP_EFFECT_LAYERS & 1u) != 0 ? 0.0 : m->layer_ms;
+    double sample = noise * (m->fixed_ms + m->detail_ms / (size * size) + layers);
+    stp_frame_cost cost = {.milliseconds = samples * sample + noise * occlusion,
+                           .splats = (uint64_t)(1e5 * m->detail_ms / (size * size)),
+                           .fragments = (uint64_t)(4e4 * m->detail_ms),
+                           .covered_pixels = (uint64_t)(5e5),
+                           .draw_calls = 100,
+                           .splat_size = (float)size};
+    cost.effect_ms[STP_EFFECT_OCCLUSION] = noise * occlusion;
+    cost.effect_ms[STP_EFFECT_ANTIALIASING] = (samples - 1.0) * sample;
+    cost.effect_ms[STP_EFFECT_LAYERS] = noise * layers;
+    stp_budget_update(budget, &cost);
+    return cost;
+}
+
+void test_budget_leaves_effects_out_in_their_order(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 1.0, .occlusion_ms = 4.0, .layer_ms = 2.5, .noise = 0.02};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    uint32_t before = 0;
+    const uint32_t more[] = {0, 1, 3, 7};
+    int steps = 0;
+    for (uint64_t frame = 0; frame < 1050; ++frame) { // content that grows to 150 ms
+        m.detail_ms = frame < 100 ? 0.5 : 0.5 * exp(0.006 * (double)(frame - 100));
+        stp_frame_cost cost = draw_lavish(&budget, &m, frame);
+        uint32_t left_out = stp_budget_left_out(&budget);
+        CHECK((left_out & before) == before); // none returns while content grows
+        while (steps < 3 && more[steps] != left_out) {
+            steps += 1;
+        }
+        CHECK_EQUAL(more[steps], left_out);
+        if (frame > 60 && before != 7) { // effects first
+            CHECK(cost.splat_size <= 1.6f);
+        }
+        before = left_out;
+    }
+    CHECK_EQUAL(7, before);
+    CHECK(stp_budget_splat_size(&budget) > 1.2f); // splats last
+}
+
+void test_budget_takes_effects_back_in_reverse_order(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 1.0, .occlusion_ms = 4.0, .layer_ms = 2.5, .noise = 0.02};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    int changes = 0;
+    uint32_t before = 0, seen[8] = {0};
+    for (uint64_t frame = 0; frame < 1500; ++frame) {
+        m.detail_ms = frame < 300 ? 150.0 : fmax(150.0 * exp(-0.008 * (double)(frame - 300)), 0.3);
+        draw_lavish(&budget, &m, frame);
+        uint32_t left_out = stp_budget_left_out(&budget);
+        if (frame > 100) {
+            changes += left_out != before ? 1 : 0;
+            CHECK((left_out & ~before) == 0); // none leaves again
+            seen[left_out] += 1;
+        }
+        before = left_out;
+    }
+    CHECK_EQUAL(0, before);
+    CHECK_EQUAL(3, changes);
+    CHECK(seen[7] > 0 && seen[3] > 0 && seen[1] > 0);
+}
+
+void test_budget_does_not_alternate_effects(test_state* test)
+{
+    for (int i = 0; i < 60; ++i) { // every share of the budget that an effect may take
+        lavish_machine m = {.fixed_ms = 2.0,
+                            .detail_ms = 0.2 + 0.2 * (double)(i % 20),
+                            .occlusion_ms = i < 20 ? 1.5 * (double)i : 10.0,
+                            .layer_ms = i >= 40 ? 1.5 * (double)(i - 40) : 0.0,
+                            .noise = 0.04};
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+        int changes = 0;
+        uint32_t before = 0;
+        for (uint64_t frame = 0; frame < 600; ++frame) {
+            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
+            uint32_t left_out = stp_budget_left_out(&budget);
+            changes += frame > 60 && left_out != before ? 1 : 0;
+            before = left_out;
+        }
+        CHECK(changes <= 1);
+    }
+}
+
+void test_budget_does_not_grow_splats_for_unknown_effects(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 4.0, .detail_ms = 6.0, .occlusion_ms = 60.0, .layer_ms = 80.0};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    float first = stp_budget_splat_size(&budget);
+    for (uint64_t frame = 0; frame < 120; ++frame) {
+        stp_frame_cost cost = draw_lavish(&budget, &m, frame);
+        CHECK(cost.splat_size <= first && (frame < 3 || cost.milliseconds < 36.0));
+    }
+    CHECK(stp_budget_splat_size(&budget) < 1.1f);
+}
+
+void test_budget_is_never_coarser_without_gain(test_state* test)
+{
+    // whatever the budget, a fixed time cannot be reduced by larger splats
+    for (int i = 0; i < 4; ++i) {
+        lavish_machine m = {.fixed_ms = 15.0 + 20.0 * (double)i, .detail_ms = 1.0, .noise = 0.03};
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
+        double size = 0.0;
+        for (uint64_t frame = 0; frame < 400; ++frame) {
+            stp_frame_cost cost = draw_lavish(&budget, &m, frame);
+            size += frame >= 200 ? (double)cost.splat_size / 200.0 : 0.0;
+        }
+        CHECK(size < 1.2);
+    }
 }

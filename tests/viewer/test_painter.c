@@ -316,6 +316,44 @@ void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
     unlink(path);
 }
 
+/// Effects that a moving camera has no time for are in the first picture at rest, with fine splats.
+void test_viewer_painter_takes_effects_back_at_rest(test_state* test)
+{
+    char path[64];
+    CHECK(boxes_build("painter", path));
+    painter_desc desc = {.thread_count = 1, .wake = do_nothing};
+    painter* p = painter_create(&desc);
+    CHECK(p != NULL);
+    painter_open(p, path, 1);
+    (void)adopt(p);
+    paint_request request = ask(false);
+    const painter_picture* picture = NULL;
+    request.style.ambient_occlusion = 0.05f;
+    request.budget_ms = 0.1; // too little for any effect
+    uint64_t number = 0, frame = 0;
+    for (int i = 0; i < 8; ++i) {
+        request.view.eye.x += 0.01;
+        number = painter_request(p, &request);
+        while ((picture = painter_take(p)) == NULL || picture->number != number) {
+            rest();
+        }
+        frame = picture->frame;
+        bool occluded = picture->figures.effect_ms[STP_EFFECT_OCCLUSION] > 0.0;
+        CHECK(i < 5 ? i > 2 || occluded : !occluded); // judged after three frames
+    }
+    CHECK(picture->figures.splat_size > 1.5f && !picture->complete);
+    while ((picture = painter_take(p)) == NULL || picture->frame == frame) {
+        rest();
+    }
+    CHECK(picture->figures.effect_ms[STP_EFFECT_OCCLUSION] > 0.0);
+    if (!picture->complete) { // splats shrink in steps on a busy machine
+        picture = wait_for(p, number);
+    }
+    CHECK(picture->figures.splat_size < 1.05f);
+    painter_destroy(p);
+    unlink(path);
+}
+
 /// When the camera moves again after a rest, its picture does not wait for the refinement in
 /// progress.
 void test_viewer_painter_answers_while_it_refines(test_state* test)

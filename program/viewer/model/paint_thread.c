@@ -16,6 +16,7 @@ enum { BUFFERS = 3 };                // one is drawn, one is ready, one is shown
 static const double rest_ms = 120.0; // the camera is at rest after this time without a request
 static const double loading_ms = 30.0;
 static const double finest_ms = 6000.0; // no finer picture is started if it would take longer
+static const double whole_ms = 250.0;   // splats shrink in one step at rest if that takes no longer
 
 /// Progress of a request's picture.
 typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
@@ -58,7 +59,7 @@ struct painter {
     double latency_ms;  ///< from the request to its first picture
     paint_stage stage;
     float size;         ///< splat size of the last frame
-    bool left_out;      ///< the last frame had no ambient occlusion, for lack of time
+    bool left_out;      ///< the last frame had fewer effects than the request, for lack of time
     double expected_ms; ///< forecast for the next frame of the same request
     bool loads;         ///< data missing in the last frame is being loaded
     double budget_ms;
@@ -99,6 +100,14 @@ static bool fit_picture(painter_picture* picture, uint32_t width, uint32_t heigh
     return true;
 }
 
+/// Splat size of the next frame at rest: the finest, or in steps while that would take long.
+static float choose_rest_size(const painter* p, float finest)
+{
+    float half = 0.5f * p->size;
+    double whole = stp_budget_predict(&p->scene->budgets[p->uses_gl], (double)finest);
+    return half > finest && whole > whole_ms ? half : finest;
+}
+
 /// Splat size of the next frame, by stage.
 static float choose_size(painter* p, const paint_request* request)
 {
@@ -111,8 +120,20 @@ static float choose_size(painter* p, const paint_request* request)
     if (p->stage == STAGE_MOVES) {
         return moving;
     }
-    float half = 0.5f * p->size;
-    return half > finest ? half : finest;
+    return choose_rest_size(p, finest);
+}
+
+/// Style of the next frame, by stage. Without a limit of its time, a moving picture has no layers.
+static stp_draw_style choose_style(const painter* p, const paint_request* request)
+{
+    const uint32_t layers = 1u << STP_EFFECT_LAYERS;
+    if (p->stage != STAGE_MOVES) {
+        return request->style;
+    }
+    uint32_t left_out =
+        request->budget_ms > 0.0 ? stp_budget_left_out(&p->scene->budgets[p->uses_gl]) : layers;
+    left_out &= p->scene->transparent ? ~0u : ~layers;
+    return stp_draw_style_without(&request->style, left_out);
 }
 
 /// The stage after a frame, and the forecast of its time. Samples are accumulated however long a
@@ -128,13 +149,13 @@ static paint_stage next_stage(painter* p, const paint_request* request,
                                                                        : STAGE_ACCUMULATES;
     }
     if (request->budget_ms > 0.0 && p->size > finest) {
-        double next = fmax((double)finest, 0.5 * (double)p->size);
-        p->expected_ms = stp_budget_predict(&p->scene->budgets[p->uses_gl], next);
+        p->expected_ms =
+            stp_budget_predict(&p->scene->budgets[p->uses_gl], (double)choose_rest_size(p, finest));
         return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
     }
     bool accumulates = request->samples > 1;
-    if (!accumulates && p->stage == STAGE_MOVES && (p->scene->transparent || p->left_out)) {
-        return STAGE_RESTS; // draw once more, with layers and ambient occlusion
+    if (!accumulates && p->stage == STAGE_MOVES && p->left_out) {
+        return STAGE_RESTS; // draw once more, with all effects
     }
     return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
@@ -156,8 +177,8 @@ static void update_budget(painter* p, const paint_request* request, const paint_
                                .triangles = f->listed_triangles,
                                .covered_pixels = f->covered_pixels,
                                .draw_calls = (uint32_t)f->draw_calls,
-                               .splat_size = f->splat_size,
-                               .effect_ms = f->effect_ms};
+                               .splat_size = f->splat_size};
+        memcpy(cost.effect_ms, f->effect_ms, sizeof(cost.effect_ms));
         stp_budget_update(&p->scene->budgets[p->uses_gl], &cost);
     }
 }
@@ -181,9 +202,9 @@ static void copy_depth(painter* p, painter_picture* picture)
 
 /// Adds OpenGL's timings of a finished frame to its figures. The budget learns from work_ms: CPU
 /// and GPU time.
-static void measure_gl(painter* p, paint_figures* figures)
+static void measure_gl(painter* p, const paint_request* request, paint_figures* figures)
 {
-    stp_draw_stats stats = {0};
+    stp_draw_stats stats = {.layers = figures->layers};
     stp_draw_gl_finish_stats(p->scene->renderers[1], &stats);
     figures->draw_ms = stats.draw_ms;
     figures->shade_ms = stats.shade_ms;
@@ -191,6 +212,7 @@ static void measure_gl(painter* p, paint_figures* figures)
     figures->fragments = stats.fragments;
     figures->covered_pixels = stats.covered_pixels;
     figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);
+    stp_draw_split_effects(&request->style, &stats, figures->work_ms, figures->effect_ms);
 }
 
 /// Draws one frame; *texture receives its texture if OpenGL draws. The context may be lost in the
@@ -212,7 +234,7 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
         *texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
                                    view->width, view->height);
         figures->frame_ms = stp_clock_ms() - start; // until the picture is complete
-        measure_gl(p, figures);
+        measure_gl(p, request, figures);
     }
     p->gl_lost =
         p->gl_lost ||
@@ -240,8 +262,6 @@ static void paint(painter* p)
     pthread_mutex_unlock(&p->mutex);
     bool ready = paint_scene_color(p->scene, &request.points);
     paint_figures figures = {0};
-    request.style.transparency =
-        p->stage == STAGE_MOVES ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
     p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL && ready &&
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
@@ -249,10 +269,9 @@ static void paint(painter* p)
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     uint32_t texture = 0;
-    p->left_out = p->stage == STAGE_MOVES && request.budget_ms > 0.0 &&
-                  request.style.ambient_occlusion > 0.0f &&
-                  !stp_budget_allows_effects(&p->scene->budgets[p->uses_gl]);
-    request.style.ambient_occlusion = p->left_out ? 0.0f : request.style.ambient_occlusion;
+    const stp_draw_style whole = request.style;
+    request.style = choose_style(p, &request);
+    p->left_out = !stp_draw_style_is_same(&whole, &request.style);
     bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
     if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",

@@ -173,7 +173,6 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     *figures = (paint_figures){.select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
                                .shade_ms = stats.shade_ms,
-                               .effect_ms = stp_draw_occlusion_ms(&request->style, &stats),
                                .splat_size = s->list.splat_size,
                                .splats = stats.splats,
                                .triangles = stats.triangles,
@@ -183,6 +182,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
                                .covered_pixels = stats.covered_pixels,
                                .draw_calls = stats.draw_calls,
                                .nodes = s->list.node_count,
+                               .layers = stats.layers,
                                .samples = accumulates ? stats.samples : 1};
     if (s->residency != NULL && result == STP_OK) {
         stp_residency_stats before, loaded;
@@ -198,6 +198,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
         figures->missing += stp_draw_gl_get_stats(s->renderers[1]).coming;
     }
     figures->frame_ms = figures->work_ms = stp_clock_ms() - start;
+    stp_draw_split_effects(&request->style, &stats, figures->work_ms, figures->effect_ms);
     figures->live_bytes = stp_context_live_bytes(s->context);
     return result;
 }

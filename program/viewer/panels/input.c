@@ -84,20 +84,45 @@ static bool is_on_picture(const viewer* v, float x, float y)
     return x >= a.x && y >= a.y && x < a.x + a.width && y < a.y + a.height && !gui_wants_mouse();
 }
 
-static void click(viewer* v, float x, float y)
+/// Picks the original content of the shown picture. @return false if that is of another scene
+static bool pick_under(viewer* v, float x, float y, stp_pick* pick)
 {
-    stp_vec3d seen;
-    stp_pick pick = {0};
     viewer_area a = v->picture_area;
-    bool sees = camera_seen(v, x, y, &seen);
     bool of_scene = v->picture != NULL && v->scene != NULL &&
                     v->picture->scene == v->scene->serial && v->explorer != NULL;
+    *pick = (stp_pick){0};
     if (of_scene) {
         const stp_view* view = &v->picture->view;
         (void)explorer_pick(v->explorer, view, v->settings.drawing.style.back_faces,
                             (double)((x - a.x) / a.width) * (double)view->width,
-                            (double)((y - a.y) / a.height) * (double)view->height, &pick);
+                            (double)((y - a.y) / a.height) * (double)view->height, pick);
     }
+    return of_scene;
+}
+
+/// Copies the coordinates under the cursor: of the original content, or else of the picture.
+static void copy_place(viewer* v)
+{
+    int ux, uy;
+    stp_vec3d seen;
+    stp_pick pick;
+    SDL_GetMouseState(&ux, &uy);
+    float x = (float)ux * v->window.density, y = (float)uy * v->window.density;
+    bool sees = is_on_picture(v, x, y) && camera_seen(v, x, y, &seen);
+    if (sees) {
+        (void)pick_under(v, x, y, &pick);
+        measure_copy(v, pick.hit ? pick.position : seen);
+    } else {
+        viewer_show_message(v, false, "Nothing to copy: no surface is under the cursor");
+    }
+}
+
+static void click(viewer* v, float x, float y)
+{
+    stp_vec3d seen;
+    stp_pick pick;
+    bool sees = camera_seen(v, x, y, &seen);
+    bool of_scene = pick_under(v, x, y, &pick);
     if (v->measure.on) {
         measure_click(v, pick.hit ? &pick : NULL, sees ? &seen : NULL);
         return;
@@ -295,6 +320,9 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
             start_show_dialog(v, true);
         } else if (key >= SDLK_1 && key <= SDLK_9) {
             (void)start_open_recent(v, (size_t)(key - SDLK_1));
+        }
+        if (key == SDLK_c && !gui_wants_keys()) {
+            copy_place(v);
         }
         if (key == SDLK_f) {
             v->settings.parts = false;

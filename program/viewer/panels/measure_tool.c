@@ -4,10 +4,12 @@
 #include "embed/measuring.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
+#include "store/file/point_attributes.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const uint32_t line_color = 0xFFD24DFF;
 static const double snap_pixels = 9.0;
@@ -29,17 +31,51 @@ void measure_print(const viewer* v, double length, char* text, size_t size)
     stp_measure_text(&m, length, 6, text, size);
 }
 
-void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size)
+/// Whether the file's coordinates are east, north and height.
+static bool is_surveyed(const viewer* v)
 {
-    stp_measuring m = measure_units(v);
-    stp_vec3d p = stp_measure_coordinates(&m, point);
+    return v->explorer != NULL && v->scene != NULL && v->scene->directory->up == 'z' &&
+           stp_store_coordinate_system(v->explorer->store) != NULL;
+}
+
+/// Prints coordinates along the file's axes, with prefixes.
+static void print_coordinates(const viewer* v, const stp_measuring* m, stp_vec3d point,
+                              const char* const names[3], char* text, size_t size)
+{
+    stp_vec3d p = stp_measure_coordinates(m, point);
     stp_boxd box = camera_scene_box(v);
     stp_vec3d sides = stp_subd(box.max, box.min);
-    double factor = stp_measure_factor(&m), reach = factor * sqrt(stp_dotd(sides, sides));
+    double factor = stp_measure_factor(m), reach = factor * sqrt(stp_dotd(sides, sides));
     double digits = reach > 0.0 && isfinite(reach) ? 6.0 - floor(log10(reach)) : 3.0;
     int decimals = digits < 0.0 ? 0 : digits > 9.0 ? 9 : (int)digits;
-    snprintf(text, size, "%.*f, %.*f, %.*f %s", decimals, factor * p.x, decimals, factor * p.y,
-             decimals, factor * p.z, stp_measure_unit(&m));
+    snprintf(text, size, "%s%.*f, %s%.*f, %s%.*f", names[0], decimals, factor * p.x, names[1],
+             decimals, factor * p.y, names[2], decimals, factor * p.z);
+}
+
+void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size)
+{
+    static const char* const axes[3] = {"", "", ""};
+    static const char* const directions[3] = {"E ", "N ", "H "};
+    stp_measuring m = measure_units(v);
+    bool surveyed = is_surveyed(v);
+    m.shown_metres = surveyed ? 0.0 : m.shown_metres; // a coordinate system has its own unit
+    print_coordinates(v, &m, point, surveyed ? directions : axes, text, size);
+    size_t used = strlen(text);
+    snprintf(text + used, size - used, " %s", stp_measure_unit(&m));
+}
+
+void measure_copy(viewer* v, stp_vec3d point)
+{
+    static const char* const none[3] = {"", "", ""};
+    stp_measuring m = measure_units(v);
+    char text[128];
+    m.shown_metres = 0.0;
+    print_coordinates(v, &m, point, none, text, sizeof(text));
+    if (SDL_SetClipboardText(text) == 0) {
+        viewer_show_message(v, false, "Copied %s", text);
+    } else {
+        viewer_show_message(v, true, "The coordinates cannot be copied: %s", SDL_GetError());
+    }
 }
 
 void measure_click(viewer* v, const stp_pick* pick, const stp_vec3d* seen)

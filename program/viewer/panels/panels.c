@@ -56,6 +56,7 @@ static const shortcut key_shortcuts[] = {
     {"F2 to F6", "panels on the right"},
     {"Tab", "hide or show all panels"},
     {"F11", "full screen"},
+    {"Ctrl+C", "copy the coordinates under the cursor"},
     {"Ctrl+O, Ctrl+1", "open a file, the most recent file"},
     {"H, Escape", "this help, back"},
     {"Ctrl+Q", "quit"},
@@ -226,16 +227,24 @@ static void show_page(viewer* v)
     gui_panel_end();
 }
 
+bool panels_print_place(const viewer* v, char* text, size_t size)
+{
+    int ux, uy;
+    stp_vec3d point;
+    SDL_GetMouseState(&ux, &uy);
+    bool sees = !gui_wants_mouse() && camera_seen(v, (float)ux * v->window.density,
+                                                  (float)uy * v->window.density, &point);
+    if (sees) {
+        measure_print_point(v, point, text, size);
+    }
+    return sees;
+}
+
 /// What is under the cursor, right-aligned.
 static void show_place(const viewer* v)
 {
-    int ux, uy;
     char text[160];
-    stp_vec3d point;
-    SDL_GetMouseState(&ux, &uy);
-    if (!gui_wants_mouse() &&
-        camera_seen(v, (float)ux * v->window.density, (float)uy * v->window.density, &point)) {
-        measure_print_point(v, point, text, sizeof(text));
+    if (panels_print_place(v, text, sizeof(text))) {
         gui_right_aligned(gui_text_width(text));
         gui_dim_text("%s", text);
     }

@@ -70,8 +70,11 @@ void measure_undo(viewer* v);
 stp_measuring measure_units(const viewer* v);
 /// Converts a length of the file to the display unit.
 void measure_print(const viewer* v, double length, char* text, size_t size);
-/// Converts a point to the file's coordinates in the display unit.
+/// Converts a point to the file's coordinates: in the display unit, or as east, north and height in
+/// the file's unit if the file names its coordinate system and z is up.
 void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size);
+/// Copies a point's coordinates along the file's axes, in its unit, to the clipboard.
+void measure_copy(viewer* v, stp_vec3d point);
 
 // point_style.c
 void point_style_begin(viewer* v); ///< for a new file

@@ -47,7 +47,8 @@ static json_t* describe_picture(const viewer* v)
 
 static json_t* describe_tools(const viewer* v)
 {
-    char chosen[1024] = "";
+    char chosen[1024] = "", place[160] = "";
+    (void)panels_print_place(v, place, sizeof(place));
     explorer* e = v->explorer;
     if (e != NULL && e->ready && e->chosen.depth > 0) {
         (void)!stp_outline_path(e->outline, &e->chosen, chosen, sizeof(chosen));
@@ -58,14 +59,15 @@ static json_t* describe_tools(const viewer* v)
     }
     stp_sections sections = section_make(v);
     return json_pack(
-        "{s:[I, I], s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "tinted",
-        (json_int_t)v->selection.mask.visible, (json_int_t)v->selection.mask.hidden, "chosen",
-        describe_json_text(chosen), "search", describe_json_text(v->search), "rows",
-        e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
-        e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",
-        (int)v->measure.on, "points", points, "views", (int)v->views.count, "current_view",
-        describe_json_text(v->current_view), "records", (int)v->record.on, "shot",
-        describe_json_text(v->last_shot), "types", (int)gui_wants_keys());
+        "{s:[I, I], s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}",
+        "tinted", (json_int_t)v->selection.mask.visible, (json_int_t)v->selection.mask.hidden,
+        "chosen", describe_json_text(chosen), "place", describe_json_text(place), "search",
+        describe_json_text(v->search), "rows", e != NULL ? (int)e->row_count : 0, "found",
+        e != NULL ? (int)e->found_count : 0, "marks", e != NULL ? (int)e->mark_count : 0,
+        "section_planes", (int)sections.count, "measures", (int)v->measure.on, "points", points,
+        "views", (int)v->views.count, "current_view", describe_json_text(v->current_view),
+        "records", (int)v->record.on, "shot", describe_json_text(v->last_shot), "types",
+        (int)gui_wants_keys());
 }
 
 /// View cube and scale bar: clickable positions of the sides, and length of the bar.

@@ -263,6 +263,8 @@ void input_destroy(viewer* v);
 viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
 void panels_switch_parts(viewer* v);
+/// Prints the coordinates under the cursor, as in the status line. @return false if there are none
+bool panels_print_place(const viewer* v, char* text, size_t size);
 /// Whether the edge of the panel of parts, which can be dragged, is at a position of the window.
 bool panels_edge(const viewer* v, float x, float y);
 /// Moves that edge.

@@ -159,6 +159,11 @@ typedef struct stp_cpu_blend {
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } stp_cpu_blend;
 
+/// Columns of a row.
+typedef struct cpu_layer_span {
+    uint32_t begin, end;
+} cpu_layer_span;
+
 /// Layers of transparent surfaces (layers.h).
 typedef struct stp_cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
@@ -174,7 +179,15 @@ typedef struct stp_cpu_layers {
     size_t capacity;
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
-    float* light;   ///< 4 per pixel: linear colour of the layers so far, and their transmittance
+    bool nearest_only;           ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
+    atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
+    uint32_t depth_of_opacity[256];
+    float* light; ///< 4 per pixel: linear colour of the layers so far, and their transmittance
+    /// Per row of the last picture, whose size this is: columns whose pixels may differ from those
+    /// before the first layer
+    cpu_layer_span* touched;
+    size_t touched_capacity;
+    uint32_t width, height;
     uint8_t* alive; ///< per task: whether it may still have visible fragments
     size_t alive_capacity;
 } stp_cpu_layers;
@@ -276,7 +289,8 @@ static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp
     return (stp_raster_layer){.nearer = r->layers.nearer,
                               .farther = r->layers.farther,
                               .splats_below = r->layers.splats_below,
-                              .found = &worker->layer_found};
+                              .found = &worker->layer_found,
+                              .tests_all = r->layers.nearest_only};
 }
 
 /// Draws all items from a task into the workers' buffers; of earlier tasks, only content occluded

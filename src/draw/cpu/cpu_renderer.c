@@ -34,6 +34,7 @@ static void destroy(stp_renderer* renderer)
     stp_caps_destroy(r->caps);
     stp_cpu_destroy_layers(r);
     stp_free(context, r->layers.alive);
+    stp_free(context, r->layers.touched);
     stp_free(context, r->workers);
     stp_free(context, r->depths);
     stp_free(context, r->all_sums);
@@ -302,6 +303,9 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     r->layers.possible = stp_transparency_of_scene(r->directory);
     r->front_only = stp_front_only_of_shadings(r->directory, r->front_only_shadings);
     stp_transparency_of_shadings(r->directory, r->layers.of_shading);
+    for (int i = 0; i < 256; ++i) {
+        r->layers.depth_of_opacity[i] = stp_optical_depth((float)i * (1.0f / 255.0f));
+    }
     r->layers.of_splats = memchr(r->layers.of_shading, 1, sizeof(r->layers.of_shading)) != NULL;
     r->team = stp_team_create_useful(context);
     assert(r->team.threads > 0);

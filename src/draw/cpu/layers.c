@@ -9,7 +9,14 @@
 
 bool stp_cpu_wants_layers(const stp_cpu_renderer* r, const stp_draw_style* style)
 {
-    return r->layers.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
+    return r->layers.possible && style->transparency != STP_TRANSPARENCY_PATTERN;
+}
+
+static void touch_all(stp_cpu_renderer* r)
+{
+    for (uint32_t y = 0; y < r->height; ++y) {
+        r->layers.touched[y] = (cpu_layer_span){0, r->width};
+    }
 }
 
 static bool make_room(stp_cpu_renderer* r)
@@ -17,14 +24,24 @@ static bool make_room(stp_cpu_renderer* r)
     stp_cpu_layers* l = &r->layers;
     stp_context* context = r->base.context;
     size_t needed = (size_t)r->width * r->height;
+    if (!STP_MAKE_ROOM(context, l->touched, l->touched_capacity, r->height)) {
+        return false;
+    }
+    if (l->width != r->width || l->height != r->height) {
+        touch_all(r);
+        l->width = r->width;
+        l->height = r->height;
+    }
     if (needed > l->capacity) {
         stp_cpu_destroy_layers(r);
+        touch_all(r);
         l->nearer = STP_NEW_ARRAY(context, uint64_t, needed);
         l->farther = STP_NEW_ARRAY(context, uint64_t, needed);
         l->splats_below = STP_NEW_ARRAY(context, float, needed);
         l->light = STP_NEW_ARRAY(context, float, 4 * needed);
+        l->optical_depths = STP_NEW_ARRAY(context, atomic_uint, needed);
         if (l->nearer == NULL || l->farther == NULL || l->splats_below == NULL ||
-            l->light == NULL) {
+            l->light == NULL || l->optical_depths == NULL) {
             stp_cpu_destroy_layers(r);
             return false;
         }
@@ -40,6 +57,7 @@ void stp_cpu_begin_layers(stp_cpu_renderer* r)
     if (!stp_cpu_wants_layers(r, r->style)) {
         return;
     }
+    l->nearest_only = r->style->transparency == STP_TRANSPARENCY_NEAREST;
     if (make_room(r)) {
         l->stage = CPU_LAYERS_OPAQUE;
     } else if (!l->warned) {
@@ -52,18 +70,37 @@ void stp_cpu_begin_layers(stp_cpu_renderer* r)
     }
 }
 
+/// Prepares the touched part of a row for its first layer.
+static void clear_row(stp_cpu_renderer* r, size_t y)
+{
+    stp_cpu_layers* l = &r->layers;
+    cpu_layer_span span = l->touched[y];
+    l->touched[y] = (cpu_layer_span){r->width, 0};
+    for (size_t at = y * r->width + span.begin; at < y * r->width + span.end; ++at) {
+        l->nearer[at] = 0;
+        l->splats_below[at] = FLT_MAX;
+        l->light[4 * at] = l->light[4 * at + 1] = l->light[4 * at + 2] = 0.0f;
+        l->light[4 * at + 3] = 1.0f;
+        atomic_store_explicit(&l->optical_depths[at], 0, memory_order_relaxed);
+    }
+}
+
 static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_cpu_renderer* r = user;
     stp_cpu_layers* l = &r->layers;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        uint64_t pixel = stp_cpu_nearest_of_workers(r, at);
-        l->farther[at] = pixel;
-        l->nearer[at] = 0;
-        l->splats_below[at] = FLT_MAX;
-        l->light[4 * at] = l->light[4 * at + 1] = l->light[4 * at + 2] = 0.0f;
-        l->light[4 * at + 3] = 1.0f;
+        l->farther[at] = STP_RASTER_EMPTY;
+    }
+    for (uint32_t k = 0; k < r->team.threads; ++k) {
+        const uint64_t* pixels = r->workers[k].pixels;
+        for (size_t at = begin * r->width; at < end * r->width && r->workers[k].drew; ++at) {
+            l->farther[at] = pixels[at] < l->farther[at] ? pixels[at] : l->farther[at];
+        }
+    }
+    for (size_t y = begin; y < end; ++y) {
+        clear_row(r, y);
     }
 }
 
@@ -139,6 +176,15 @@ static float find_below(const stp_cpu_renderer* r, const stp_cpu_item* item, flo
                                      : scale / (scale / (double)nearness + thickness));
 }
 
+/// Opacity of the layer that stands for all layers in a pixel: the sum of depths includes a triangle
+/// of the layer, but not a splat.
+static float find_whole_opacity(stp_cpu_layers* l, size_t at, float own, bool splat)
+{
+    uint32_t depth = atomic_load_explicit(&l->optical_depths[at], memory_order_relaxed);
+    float clear = exp2f((float)depth * (-1.0f / (float)STP_OPTICAL_UNIT));
+    return 1.0f - (splat ? 1.0f - own : 1.0f) * clear;
+}
+
 /// Composites one pixel of a layer.
 static void add_pixel(stp_cpu_layers* l, size_t at, const float color[3], float alpha)
 {
@@ -160,6 +206,11 @@ void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_c
     for (uint32_t row = 0; row < tile->height; ++row) {
         const stp_cpu_shade_merged* merged = &tile->rows[row];
         size_t first = (size_t)(tile->y + row) * r->width + tile->x;
+        if (tile->row_runs[row] < tile->row_runs[row + 1]) {
+            cpu_layer_span* span = &l->touched[tile->y + row];
+            span->begin = tile->x < span->begin ? tile->x : span->begin;
+            span->end = tile->x + tile->width > span->end ? tile->x + tile->width : span->end;
+        }
         for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
             const stp_cpu_shade_run* run = &tile->runs[i];
             if (run->surface == SHADE_EMPTY) {
@@ -172,7 +223,9 @@ void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_c
                 const float color[3] = {lanes->linear[0][lane], lanes->linear[1][lane],
                                         lanes->linear[2][lane]};
                 size_t at = first + x;
-                add_pixel(l, at, color, memory->surfaces[lanes->surface[lane]].color[3]);
+                float opacity = memory->surfaces[lanes->surface[lane]].color[3];
+                opacity = l->nearest_only ? find_whole_opacity(l, at, opacity, splat) : opacity;
+                add_pixel(l, at, color, opacity);
                 l->nearer[at] = stp_raster_pixel(merged->nearness[x], merged->ids[x + 1]);
                 if (splat) {
                     l->splats_below[at] = find_below(r, item, merged->nearness[x]);
@@ -198,12 +251,12 @@ static uint64_t count_pixels(stp_cpu_renderer* r)
     return pixels;
 }
 
-/// Composites the layers over the picture.
-static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
+/// Composites the layers over a row of the picture. @return pixels that were empty before
+static uint64_t compose_row(stp_cpu_renderer* r, size_t y)
 {
-    stp_cpu_renderer* r = user;
     uint64_t covered = 0;
-    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+    cpu_layer_span span = r->layers.touched[y];
+    for (size_t at = y * r->width + span.begin; at < y * r->width + span.end; ++at) {
         const float* light = r->layers.light + 4 * at;
         uint8_t* out = r->image->pixels + 4 * at;
         if (light[3] >= 1.0f) {
@@ -222,7 +275,15 @@ static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
             memset(out, 0, 4);
         }
     }
-    r->workers[worker].covered += covered;
+    return covered;
+}
+
+static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    stp_cpu_renderer* r = user;
+    for (size_t y = begin; y < end; ++y) {
+        r->workers[worker].covered += compose_row(r, y);
+    }
 }
 
 stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
@@ -234,7 +295,8 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
     count_pixels(r);
-    for (l->count = 0; any && l->count < STP_LAYERS_MAX && result == STP_OK; ++l->count) {
+    uint32_t most = l->nearest_only ? 1 : STP_LAYERS_MAX;
+    for (l->count = 0; any && l->count < most && result == STP_OK; ++l->count) {
         size_t grain = r->task_count / ((size_t)r->team.threads * 64);
         stp_team_run(&r->team, r->task_count, grain > 0 ? grain : 1, draw_tasks, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -250,6 +312,9 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     if (l->count > 0 && result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, compose_rows, r);
     }
+    if (result != STP_OK) { // fragments may be drawn that were not composited
+        touch_all(r);
+    }
     assert(l->count <= STP_LAYERS_MAX);
     l->stage = CPU_LAYERS_OPAQUE;
     return result;
@@ -263,6 +328,8 @@ void stp_cpu_destroy_layers(stp_cpu_renderer* r)
     stp_free(context, l->farther);
     stp_free(context, l->splats_below);
     stp_free(context, l->light);
+    stp_free(context, l->optical_depths);
+    l->optical_depths = NULL;
     l->nearer = l->farther = NULL;
     l->splats_below = l->light = NULL;
     l->capacity = 0;

@@ -169,7 +169,12 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
     if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
         result = make_pyramid(r);
     }
-    return result == STP_OK && layered ? stp_cpu_draw_layers(r) : result;
+    if (result == STP_OK && layered) {
+        double start = stp_clock_ms();
+        result = stp_cpu_draw_layers(r);
+        stats->layer_ms += stp_clock_ms() - start;
+    }
+    return result;
 }
 
 /// Draws the second pass and shades, eye by eye; the last eye's items are already placed.

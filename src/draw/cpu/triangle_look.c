@@ -165,7 +165,15 @@ static bool keeps_alpha(const stp_cpu_keep* keep, float alpha, uint32_t x, uint3
     case CPU_LAYERS_OPAQUE:
         return alpha >= STP_ALPHA_OPAQUE_FROM;
     case CPU_LAYERS_PEEL:
-        return alpha >= STP_ALPHA_MIN && alpha < STP_ALPHA_OPAQUE_FROM;
+        if (!(alpha >= STP_ALPHA_MIN && alpha < STP_ALPHA_OPAQUE_FROM)) {
+            return false;
+        }
+        if (r->layers.nearest_only) {
+            uint32_t depth = r->layers.depth_of_opacity[(uint32_t)(alpha * 255.0f + 0.5f)];
+            atomic_fetch_add_explicit(&r->layers.optical_depths[(size_t)y * r->width + x], depth,
+                                      memory_order_relaxed);
+        }
+        return true;
     default:
         return alpha >= STP_ALPHA_OPAQUE_FROM ||
                alpha > stp_blue_noise_threshold(keep->memory->pattern, x, y, r->pattern);

@@ -93,7 +93,9 @@ typedef struct stp_gl_layer_pass {
         GLuint ids, nearness, framebuffer;
     } layers[2];
     GLuint light, below;
-    uint32_t count; ///< layers of the last picture, without the final empty pass
+    GLuint optical_depths; ///< of all triangles, for STP_TRANSPARENCY_NEAREST
+    /// Layers of the last picture, without the final empty pass; 1 if the nearest stands for all
+    uint32_t count;
 } stp_gl_layer_pass;
 
 /// Finds the transparent surfaces of the scene. @return STP_OK; logged
@@ -104,7 +106,8 @@ void stp_gl_layer_pass_destroy_programs(struct stp_gl_renderer* r);
 /// Decides whether a picture has layers. Call before its items are made. Logs a warning once if
 /// memory is insufficient.
 void stp_gl_layer_pass_begin(struct stp_gl_renderer* r);
-/// Call after the opaque picture is drawn: draws all layers over it. Waits after each. @return as
+/// Call after the opaque picture is drawn: draws all layers over it. Waits after each, unless one
+/// stands for all. @return as
 /// stp_gl_program_create
 STP_MUST_USE stp_result stp_gl_layer_pass_draw(struct stp_gl_renderer* r);
 

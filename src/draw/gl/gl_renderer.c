@@ -146,6 +146,8 @@ static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
                     computed / (r->counted_samples > 0 ? r->counted_samples : 1);
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
+    stats->effect_ms = parts * r->timer.effect_ms;
+    stats->layer_ms = parts * r->timer.layer_ms;
 }
 
 void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats)
@@ -174,7 +176,7 @@ static bool works_on_bytes(const stp_gl_renderer* r, const stp_draw_style* style
                            const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
-    bool layers = r->layer_pass.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
+    bool layers = r->layer_pass.possible && style->transparency != STP_TRANSPARENCY_PATTERN;
     return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps || layers;
 }
 

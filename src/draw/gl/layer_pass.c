@@ -10,6 +10,7 @@
 
 _Static_assert(STP_BLUE_NOISE_SIDE == NOISE_SIDE, "as shaders have it");
 _Static_assert(STP_TRANSPARENT_CELL_SHIFT == GLASS_CELL_SHIFT, "as shaders have it");
+_Static_assert(STP_OPTICAL_UNIT == OPTICAL_UNIT, "as shaders have it");
 
 stp_result stp_gl_layer_pass_create(stp_gl_renderer* r)
 {
@@ -43,10 +44,10 @@ static void destroy_textures(stp_gl_renderer* r)
         r->gl.DeleteFramebuffers(1, &pass->layers[i].framebuffer);
         r->gl.DeleteTextures(2, textures);
     }
-    const GLuint textures[] = {pass->light, pass->below};
-    r->gl.DeleteTextures(2, textures);
+    const GLuint textures[] = {pass->light, pass->below, pass->optical_depths};
+    r->gl.DeleteTextures(3, textures);
     memset(pass->layers, 0, sizeof(pass->layers));
-    pass->light = pass->below = 0;
+    pass->light = pass->below = pass->optical_depths = 0;
     pass->width = pass->height = 0;
 }
 
@@ -86,6 +87,7 @@ static bool make_textures(stp_gl_renderer* r)
     }
     pass->light = stp_gl_make_texture(gl, GL_RGBA32F, width, height, "layers");
     pass->below = stp_gl_make_texture(gl, GL_R32F, width, height, "layer surfaces");
+    pass->optical_depths = stp_gl_make_texture(gl, GL_R32UI, width, height, "optical depths");
     if (gl->GetError() != GL_NO_ERROR || !complete) {
         destroy_textures(r);
         return false;
@@ -98,7 +100,7 @@ static bool make_textures(stp_gl_renderer* r)
 void stp_gl_layer_pass_begin(stp_gl_renderer* r)
 {
     stp_gl_layer_pass* pass = &r->layer_pass;
-    bool wanted = pass->possible && r->style->transparency == STP_TRANSPARENCY_LAYERS;
+    bool wanted = pass->possible && r->style->transparency != STP_TRANSPARENCY_PATTERN;
     pass->active = wanted && make_textures(r);
     if (wanted && !pass->active && !pass->warned) {
         pass->warned = true;
@@ -161,6 +163,8 @@ static stp_result draw_layer(stp_gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_BEFORE_IDS, pass->layers[1 - number].ids);
     gl->BindTextureUnit(UNIT_BEFORE_NEARNESS, pass->layers[1 - number].nearness);
     gl->BindTextureUnit(UNIT_BELOW, pass->below);
+    gl->BindImageTexture(IMAGE_OPTICAL, pass->optical_depths, 0, GL_FALSE, 0, GL_READ_WRITE,
+                         GL_R32UI);
     // without caps, opaque surfaces occlude as much
     gl->BindTextureUnit(UNIT_CAPS, r->cap_pass.shows ? r->cap_pass.nearness : r->target.nearness);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.buffer);
@@ -192,22 +196,55 @@ static stp_result draw_layer(stp_gl_renderer* r, int number)
     return result;
 }
 
-/// Composites the layer. @return number of its pixels
-static uint32_t take_layer(stp_gl_renderer* r, int number)
+/// Composites the layer.
+static void take_layer(stp_gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;
     stp_gl_layer_pass* pass = &r->layer_pass;
-    uint32_t before = stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS);
     stp_gl_bind_frame(r);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     gl->BindTextureUnit(UNIT_IDS, pass->layers[number].ids);
     gl->BindTextureUnit(UNIT_NEARNESS, pass->layers[number].nearness);
     gl->BindImageTexture(IMAGE_LIGHT, pass->light, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     gl->BindImageTexture(IMAGE_BELOW, pass->below, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    gl->BindImageTexture(IMAGE_OPTICAL, pass->optical_depths, 0, GL_FALSE, 0, GL_READ_ONLY,
+                         GL_R32UI);
+    gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     stp_gl_dispatch_pixels(r, pass->take, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                       GL_BUFFER_UPDATE_BARRIER_BIT);
-    return stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS) - before;
+}
+
+/// Draws and composites layers until one is empty. Waits for each.
+static stp_result draw_layers(stp_gl_renderer* r)
+{
+    stp_gl_layer_pass* pass = &r->layer_pass;
+    uint32_t pixels = 1;
+    for (; pixels > 0 && pass->count < STP_LAYERS_MAX; ++pass->count) {
+        stp_result result = draw_layer(r, (int)(pass->count & 1));
+        if (result != STP_OK) {
+            return result;
+        }
+        uint32_t before = stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS);
+        take_layer(r, (int)(pass->count & 1));
+        pixels = stp_gl_shade_pass_read(r, GL_COUNTER_LAYERS) - before;
+    }
+    pass->count -= pixels == 0; // the last pass found none
+    assert(pass->count <= STP_LAYERS_MAX);
+    return STP_OK;
+}
+
+/// Draws and composites the layer that stands for all.
+static stp_result draw_nearest_layer(stp_gl_renderer* r)
+{
+    const GLuint none[4] = {0};
+    r->gl.ClearTexImage(r->layer_pass.optical_depths, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, none);
+    stp_result result = draw_layer(r, 0);
+    if (result == STP_OK) {
+        take_layer(r, 0);
+        r->layer_pass.count = 1;
+    }
+    return result;
 }
 
 stp_result stp_gl_layer_pass_draw(stp_gl_renderer* r)
@@ -230,16 +267,11 @@ stp_result stp_gl_layer_pass_draw(stp_gl_renderer* r)
     gl->ClearTexImage(pass->below, 0, GL_RED, GL_FLOAT, &all);
     gl->ClearNamedFramebufferuiv(pass->layers[1].framebuffer, GL_COLOR, 0, first);
     gl->ClearNamedFramebufferfv(pass->layers[1].framebuffer, GL_DEPTH, 0, &near);
-    uint32_t pixels = 1;
-    for (; pixels > 0 && pass->count < STP_LAYERS_MAX; ++pass->count) {
-        result = draw_layer(r, (int)(pass->count & 1));
-        if (result != STP_OK) {
-            return result;
-        }
-        pixels = take_layer(r, (int)(pass->count & 1));
+    result =
+        r->style->transparency == STP_TRANSPARENCY_NEAREST ? draw_nearest_layer(r) : draw_layers(r);
+    if (result != STP_OK) {
+        return result;
     }
-    pass->count -= pixels == 0; // the last pass found none
-    assert(pass->count <= STP_LAYERS_MAX);
     gl->BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8);
     stp_gl_dispatch_pixels(r, pass->compose, r->target.width, r->target.height);
     gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |

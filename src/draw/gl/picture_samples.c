@@ -24,6 +24,7 @@ typedef struct stp_gl_sample {
     bool sums;              ///< shading adds it to the sums
     bool bare;              ///< shaded to bytes without a background, then added to the sums
     bool shows;             ///< the picture is resolved from the sums
+    bool timed;             ///< by the renderer's timer
 } stp_gl_sample;
 
 static void set_vec3(vec4 out, stp_vec3d v)
@@ -115,6 +116,7 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
         .recolors = (uint32_t)r->style->coloring,
         .scale_first = SHADINGS + r->directory->material_count,
         .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
+        .nearest_only = r->style->transparency == STP_TRANSPARENCY_NEAREST ? 1 : 0,
         .ghost_seed = GHOST_SEED,
         .front_only = stp_draws_backs(r->style, &r->view->sections) ? FRONT_ONLY_NONE
                                                                     : (uint32_t)r->front_only,
@@ -224,26 +226,49 @@ void stp_gl_leave_state(const stp_gl_renderer* r)
     gl->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 }
 
+/// Marks a point in time if the sample is timed.
+static void mark_time(const stp_gl_renderer* r, const stp_gl_sample* sample,
+                      stp_gl_timer_point point)
+{
+    if (sample->timed) {
+        stp_gl_timer_mark(&r->gl, &r->timer, point);
+    }
+}
+
 /// Shades the visibility buffer into the picture or the sums.
 static stp_result shade(stp_gl_renderer* r, const stp_gl_sample* sample)
 {
     stp_result result = stp_gl_shade_pass_draw(r, sample->sums);
     result = result == STP_OK ? stp_gl_portion_wait(r) : result;
-    if (result == STP_OK && !sample->sums) {
+    bool works_on_bytes = !sample->sums;
+    if (result == STP_OK && works_on_bytes) {
         result = stp_gl_cap_pass_draw(r);
-        result = result == STP_OK ? stp_gl_effect_pass_draw(r) : result;
+    }
+    mark_time(r, sample, GL_TIMER_LIT);
+    if (result == STP_OK && works_on_bytes) {
+        result = stp_gl_effect_pass_draw(r);
         result = result == STP_OK ? stp_gl_portion_wait(r) : result;
     }
+    mark_time(r, sample, GL_TIMER_EFFECTS);
     if (result == STP_OK && r->layer_pass.active) {
         result = stp_gl_layer_pass_draw(r);
     }
+    mark_time(r, sample, GL_TIMER_LAYERED);
     if (result == STP_OK && sample->bare) {
         result = stp_gl_shade_pass_add(r);
     }
     return result == STP_OK && sample->shows ? stp_gl_shade_pass_average(r) : result;
 }
 
-static stp_result draw_sample(stp_gl_renderer* r, const stp_gl_sample* sample)
+/// Marks the times of a sample that is not shaded.
+static void skip_shading(const stp_gl_renderer* r, const stp_gl_sample* sample)
+{
+    mark_time(r, sample, GL_TIMER_LIT);
+    mark_time(r, sample, GL_TIMER_EFFECTS);
+    mark_time(r, sample, GL_TIMER_LAYERED);
+}
+
+static stp_result draw_sample(stp_gl_renderer* r, stp_gl_sample* sample)
 {
     view_block view = make_view(r, sample);
     stp_result result = stp_gl_frame_send(r, &view);
@@ -254,15 +279,15 @@ static stp_result draw_sample(stp_gl_renderer* r, const stp_gl_sample* sample)
     if (r->eye == 0) {
         r->draw_calls = r->dispatches = 0;
     }
-    bool timed = stp_gl_timer_begin(&r->gl, &r->timer);
+    sample->timed = stp_gl_timer_begin(&r->gl, &r->timer);
     result = draw_visible(r);
-    if (timed) {
-        stp_gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
-    }
+    mark_time(r, sample, GL_TIMER_DRAWN);
     if (result == STP_OK && !r->omits.shading) {
         result = shade(r, sample);
+    } else {
+        skip_shading(r, sample);
     }
-    if (timed) {
+    if (sample->timed) {
         stp_gl_timer_end(&r->gl, &r->timer);
     }
     stp_gl_ring_mark(&r->gl, &r->frame.ring);

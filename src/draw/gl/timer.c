@@ -102,6 +102,8 @@ void stp_gl_timer_read(const stp_gl* gl, stp_gl_timer* timer, bool wait)
         gl->GetQueryObjectui64v(timer->samples[timer->first], GL_QUERY_RESULT, &fragments);
         timer->draw_ms = (double)(at[GL_TIMER_DRAWN] - at[GL_TIMER_BEGIN]) * 1e-6;
         timer->shade_ms = (double)(at[GL_TIMER_SHADED] - at[GL_TIMER_DRAWN]) * 1e-6;
+        timer->effect_ms = (double)(at[GL_TIMER_EFFECTS] - at[GL_TIMER_LIT]) * 1e-6;
+        timer->layer_ms = (double)(at[GL_TIMER_LAYERED] - at[GL_TIMER_EFFECTS]) * 1e-6;
         timer->fragments = fragments;
         timer->drawn_splats = read_splats(gl, timer);
         timer->known = true;

@@ -8,6 +8,9 @@
 typedef enum stp_gl_timer_point {
     GL_TIMER_BEGIN,
     GL_TIMER_DRAWN,
+    GL_TIMER_LIT,     ///< surfaces are shaded, and caps are drawn
+    GL_TIMER_EFFECTS, ///< eye-dome lighting and ambient occlusion are applied
+    GL_TIMER_LAYERED, ///< layers of transparent surfaces are composited
     GL_TIMER_SHADED,
     GL_TIMER_POINTS
 } stp_gl_timer_point;
@@ -34,6 +37,7 @@ typedef struct stp_gl_timer {
     uint32_t first, count;                         ///< frames with pending queries
     bool known;                                    ///< times are valid
     double draw_ms, shade_ms;                      ///< times of the last completed frame
+    double effect_ms, layer_ms;                    ///< parts of shade_ms
     uint64_t fragments;
     uint64_t drawn_splats; ///< that the graphics pipeline drew
 } stp_gl_timer;

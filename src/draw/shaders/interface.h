@@ -44,6 +44,7 @@
 #define IMAGE_PLANES 4
 #define IMAGE_LIGHT 5 // colour of the layers so far, and their transmittance
 #define IMAGE_BELOW 6
+#define IMAGE_OPTICAL 7 // optical depths of all triangles
 
 #define GROUP_SIDE 8 // size of a compute group over pixels
 #define LOCK_TRIES 65536
@@ -123,6 +124,7 @@
 #define ALPHA_OPAQUE_FROM (254.5 / 255.0)
 #define ALPHA_MIN (0.5 / 255.0)
 #define LAYERS_CLEAR (1.0 / 1024.0)
+#define OPTICAL_UNIT 4096 // of optical depths (draw/transparency.h)
 
 // Header of a triangle cluster, at the beginning of its mesh, in words. Offsets are relative to the
 // mesh's address.
@@ -253,7 +255,7 @@ struct view_block {
     float corner;         // distance over depth in a corner of the picture
     uint scale_first;     // start of the colour scale among the lighting materials
     uint front_only;      // a FRONT_ONLY
-    float view_spare;
+    uint nearest_only;    // whether the nearest layer stands for all
     vec4 height_place, height_along; // src/draw/shading_setup.h
 };
 

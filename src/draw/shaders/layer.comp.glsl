@@ -7,6 +7,7 @@
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(rgba32f, binding = IMAGE_LIGHT) uniform image2D light;
 layout(r32f, binding = IMAGE_BELOW) uniform image2D below;
+layout(r32ui, binding = IMAGE_OPTICAL) uniform readonly uimage2D optical_depths;
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered, layered; };
 
 // Minimum nearness of splats that belong to this splat's surface.
@@ -34,7 +35,12 @@ void main()
     recolor(s, vec2(pixel) + 0.5, depth);
     vec3 color = light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
     vec4 so_far = imageLoad(light, pixel);
-    float share = so_far.a * clamp(s.opacity, 0.0, 1.0);
+    float opacity = clamp(s.opacity, 0.0, 1.0);
+    if (view.nearest_only != 0u) { // the layer stands for all; the depths include its triangle
+        float clear = exp2(float(imageLoad(optical_depths, pixel).r) * (-1.0 / float(OPTICAL_UNIT)));
+        opacity = 1.0 - (item.kind != KIND_MESH ? 1.0 - opacity : 1.0) * clear;
+    }
+    float share = so_far.a * opacity;
     so_far += share * vec4(clamp(color, 0.0, 1.0), -1.0);
     imageStore(light, pixel, so_far);
     if (so_far.a < LAYERS_CLEAR) {

@@ -23,6 +23,13 @@ float find_threshold(uint key, ivec2 pixel, uint sample_number)
     return float((rank * 16u + 8u + sample_number * step) & 0xFFFFu) * (1.0 / 65536.0);
 }
 
+// Optical depth of an opacity, rounded to a byte (stp_optical_depth).
+uint optical_depth(float opacity)
+{
+    float byte = floor(min(opacity, 254.0 / 255.0) * 255.0 + 0.5);
+    return uint(-log2(1.0 - byte * (1.0 / 255.0)) * float(OPTICAL_UNIT) + 0.5);
+}
+
 // Opacity of a surface of splats with this coverage (of 255): on average two of them cover a pixel.
 float glass_opacity(uint coverage)
 {

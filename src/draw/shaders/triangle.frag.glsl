@@ -12,6 +12,11 @@ flat in uvec2 triangle_of;
 in vec2 weight;
 in vec3 place;
 
+#ifdef LAYER
+layout(r32ui, binding = IMAGE_OPTICAL) uniform uimage2D optical_depths;
+uint depth_of_fragment = 0u; // optical
+#endif
+
 // Key of a triangle's alpha thresholds: its facing, and its position along that direction.
 uint find_pattern(const item_block item, const triangle_place t)
 {
@@ -30,6 +35,7 @@ uint find_pattern(const item_block item, const triangle_place t)
 bool keeps_alpha(const item_block item, const triangle_place t, float alpha, ivec2 pixel)
 {
 #ifdef LAYER
+    depth_of_fragment = optical_depth(alpha);
     return alpha >= ALPHA_MIN && alpha < ALPHA_OPAQUE_FROM;
 #else
     if (alpha >= ALPHA_OPAQUE_FROM || view.glass == GLASS_LAYERS) {
@@ -87,6 +93,9 @@ void main()
 #ifdef LAYER
     if (!is_between(ivec2(gl_FragCoord.xy), gl_FragCoord.z, triangle_id)) {
         discard;
+    }
+    if (view.nearest_only != 0u) { // of all fragments between, nearest or not
+        imageAtomicAdd(optical_depths, ivec2(gl_FragCoord.xy), depth_of_fragment);
     }
     gl_FragDepth = gl_FragCoord.z;
 #endif

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Effects of a frame: their times, and styles without them.
+#include "tests.h"
+
+#include "draw/frame_effects.h"
+
+void test_frame_effects_are_split_by_their_times(test_state* test)
+{
+    stp_draw_style style = {.ambient_occlusion = 0.05f, .supersample = 2};
+    stp_draw_stats stats = {.effect_ms = 8.0, .layer_ms = 4.0, .layers = 3, .listed_splats = 7};
+    stp_frame_cost cost = stp_draw_frame_cost(&style, &stats, 2.0f, 28.0);
+    CHECK(cost.milliseconds == 28.0 && cost.splats == 7 && cost.splat_size == 2.0f);
+    CHECK(cost.effect_ms[STP_EFFECT_OCCLUSION] == 8.0);
+    CHECK(cost.effect_ms[STP_EFFECT_ANTIALIASING] == 15.0); // three of four samples of 5 ms
+    CHECK(cost.effect_ms[STP_EFFECT_LAYERS] == 1.0);        // of the remaining sample
+    style.eye_dome = 1.0f;                                  // takes as long without occlusion
+    cost = stp_draw_frame_cost(&style, &stats, 2.0f, 28.0);
+    CHECK(cost.effect_ms[STP_EFFECT_OCCLUSION] == 0.0);
+    style = (stp_draw_style){.transparency = STP_TRANSPARENCY_PATTERN};
+    cost = stp_draw_frame_cost(&style, &stats, 2.0f, 28.0);
+    for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
+        CHECK(cost.effect_ms[i] == 0.0);
+    }
+}
+
+void test_frame_effects_are_left_out_one_by_one(test_state* test)
+{
+    const stp_draw_style style = {.ambient_occlusion = 0.05f, .supersample = 4, .eye_dome = 1.0f};
+    for (uint32_t bits = 0; bits < 8; ++bits) {
+        stp_draw_style less = stp_draw_style_without(&style, bits);
+        CHECK((less.ambient_occlusion > 0.0f) == ((bits & 1) == 0));
+        CHECK_EQUAL((bits & 2) == 0 ? 4 : 1, less.supersample);
+        CHECK((less.transparency == STP_TRANSPARENCY_LAYERS) == ((bits & 4) == 0));
+        CHECK(less.eye_dome == 1.0f);
+    }
+    const stp_draw_style pattern = {.transparency = STP_TRANSPARENCY_PATTERN};
+    CHECK_EQUAL(STP_TRANSPARENCY_PATTERN, stp_draw_style_without(&pattern, 7).transparency);
+}
