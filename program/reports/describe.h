@@ -18,6 +18,7 @@ typedef struct scene_figures {
     uint32_t format_version, format_minor; ///< 0: not a .stip
     stp_store_level_figures levels;        ///< levels of triangles
     bool has_level_figures;                ///< false: an early file of version 1.3, without them
+    bool by_elevation;     ///< of a .stip: drawn by elevation if no colour is asked for
     double position_error; ///< maximum error of a .stip's points, scene units; 0: unknown or none
 } scene_figures;
 
