@@ -57,6 +57,7 @@ RECORDS = {
     39: ("coordinates", "I", "text:text"),
     40: ("leaves", "2I", "leaf_count block"),
     41: ("certainty", "If", "flags position_error"),
+    46: ("growths", "f", "growth"),
     42: ("levels", "2I", "node flags"),
     43: ("level_clusters", "3I", "made_by used_by one_sided"),
     44: ("level_groups", "5f", "center:3 radius error"),
@@ -227,6 +228,8 @@ def check_graph(header, t):
         for use in ("base_color_texture", "metallic_roughness_texture", "emissive_texture"):
             check_reference(material[use][0], counts["textures"], f"material {i}: {use}")
             need(material[use][1] <= 1, f"material {i}: texcoord")
+    need(counts["growths"] in (0, counts["shadings"]), "growths")
+    need(all(-1 < s["growth"] <= 63 for s in t["growths"]), "growths")
     need(counts["shadings"] <= 256 and all(s["flags"] <= 7 for s in t["shadings"]), "shadings")
     for i, texture in enumerate(t["textures"]):
         need(0 < texture["width"] <= 65536 and 0 < texture["height"] <= 65536, f"texture {i}: size")

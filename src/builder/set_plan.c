@@ -326,6 +326,9 @@ static stp_hash hash_shadings(const planning* p, const stp_node* node)
         uint8_t shading = p->desc->shading_of_material[material];
         hash = stp_hash_bytes(hash, &shading, 1);
         hash = stp_hash_bytes(hash, &p->desc->shadings[shading].flags, sizeof(uint32_t));
+        if (part.kind == STP_PART_POINTS && p->desc->blue->growths != NULL) {
+            hash = stp_hash_bytes(hash, p->desc->blue->growths->of[shading], STP_GROWTHS);
+        }
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = scene->edges[node->first_edge + i].node;

@@ -159,7 +159,30 @@ typedef struct stp_shading {
     float metallic, roughness;
     float emissive[3]; ///< linear
     uint32_t flags;
+    /// By how much the candidate radius of a splat is larger than its set's, as a share of that:
+    /// above -1, at most STP_GROWTH_MAX; since format 1.4
+    float growth;
 } stp_shading;
+
+enum { STP_GROWTH_MAX = 63 };
+
+/// Whether any shading has a growth.
+static inline bool stp_any_growth(const stp_shading* shadings, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        if (shadings[i].growth > 0.0f || shadings[i].growth < 0.0f) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Share of a splat's drawn radius that its shading's growth applies to: radii are multiplied by
+/// 1 + growth * share. `radius` is that of a set's splats, `candidate_radius` included.
+static inline float stp_growth_share(float candidate_radius, float radius)
+{
+    return candidate_radius < radius ? candidate_radius / radius : 1.0f;
+}
 
 // Positions of the splats in a set.
 
