@@ -15,14 +15,14 @@ enum {
 };
 
 #define FINE_CELL 1.5f     // side of a cell, in spacings
-#define COARSE_CELL 8.0f   // the same for wide gaps
+#define COARSE_CELL 12.0f  // the same for wide gaps
 #define ONE_SIDED 1.5f     // how much farther a cell may reach than on its opposite side
 #define BETWEEN 1.02f      // corners of a cell may lie between two directions
 #define TOLERANCE 1.04f    // radii that are this much too small are good enough
 #define STEEP 1.0f         // neighbours may lie this far from the plane, relative to their distance in it
 
 static const float factors[STP_GROWTHS] = {0.125f, 0.176777f, 0.25f,    0.353553f, 0.5f, 0.707107f,
-                                           1.0f,   1.414214f, 2.0f,     2.828427f, 4.0f};
+                                           1.0f,   1.414214f, 2.0f,     2.828427f, 4.0f, 5.656854f, 8.0f};
 
 // Cosines of the directions; the sine is the cosine of a quarter turn before.
 static const float cosines[DIRECTIONS] = {

@@ -7,7 +7,7 @@
 #include "base/core/context.h"
 
 enum {
-    STP_GROWTHS = 11,     ///< factors: half powers of 2
+    STP_GROWTHS = 13,     ///< factors: half powers of 2
     STP_GROWTH_PLAIN = 6, ///< index of the factor 1
     STP_GROWTH_SHADINGS = 256
 };
