@@ -177,6 +177,16 @@ static inline bool stp_any_growth(const stp_shading* shadings, uint32_t count)
     return false;
 }
 
+/// The largest growth of any shading, at least 0.
+static inline float stp_largest_growth(const stp_shading* shadings, uint32_t count)
+{
+    float largest = 0.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        largest = shadings[i].growth > largest ? shadings[i].growth : largest;
+    }
+    return largest;
+}
+
 /// Share of a splat's drawn radius that its shading's growth applies to: radii are multiplied by
 /// 1 + growth * share. `radius` is that of a set's splats, `candidate_radius` included.
 static inline float stp_growth_share(float candidate_radius, float radius)

@@ -59,9 +59,9 @@ stp_result stp_gl_materials_create(stp_gl_renderer* r)
         return stp_fail_memory(context);
     }
     const float dark[3] = {0};
+    r->largest_growth = stp_largest_growth(d->shadings, d->shading_count);
     for (uint32_t i = 0; i < SHADINGS; ++i) {
         const stp_shading* s = i < d->shading_count ? &d->shadings[i] : NULL;
-        r->largest_growth = s != NULL ? stp_max(r->largest_growth, s->growth) : r->largest_growth;
         lights[i] = s != NULL ? make_light(s->metallic, s->roughness, s->emissive, s->flags)
                               : make_light(0.0f, 1.0f, dark, 0);
     }

@@ -10,14 +10,16 @@
 enum {
     DIRECTIONS = 16,
     BUCKET_POINTS = 24, ///< points of a bucket that are compared: the first of the order
-    OUTSTANDING = 1, ///< how far a growth may be above the median around it
+    OUTSTANDING = 2, ///< how far a growth may be above the median around it
     GRAIN = 512
 };
 
 #define FINE_CELL 1.5f     // side of a cell, in spacings
 #define COARSE_CELL 12.0f  // the same for wide gaps
-#define ONE_SIDED 1.5f     // how much farther a cell may reach than on its opposite side
-#define BETWEEN 1.02f      // corners of a cell may lie between two directions
+#define ONE_SIDED 1.35f    // how much farther a cell may reach than on its opposite side
+#define CLOSED 4.0f        // a cell that reaches less far there is closed, in covered distances
+#define HOLE 2.0f          // how far it then counts
+#define BETWEEN 1.05f      // corners of a cell may lie between two directions
 #define TOLERANCE 1.04f    // radii that are this much too small are good enough
 #define STEEP 1.0f         // neighbours may lie this far from the plane, relative to their distance in it
 
@@ -118,12 +120,15 @@ static void cut_by_grid(plane_cell* cell, const stp_grid* grid)
 /// How far a finished cell reaches, without what may be beyond the border of a surface.
 static float reach_of(const stp_growth_desc* d, const plane_cell* cell)
 {
-    float covered = d->covered + d->radius, reach = 0.0f;
+    float covered = d->covered + d->radius, reach = 0.0f, closed = 1.0f / (CLOSED * covered);
     for (int k = 0; k < DIRECTIONS; ++k) {
         float own = cell->nearness[k], opposite = cell->nearness[(k + DIRECTIONS / 2) % DIRECTIONS];
+        float beside = stp_min(cell->nearness[(k + 1) % DIRECTIONS],
+                               cell->nearness[(k + DIRECTIONS - 1) % DIRECTIONS]);
         float distance = own > 0.0f ? 1.0f / own : INFINITY;
-        float limit = opposite > 0.0f ? ONE_SIDED / opposite : 0.0f;
-        limit = stp_min(stp_max(limit, covered), d->covered + d->radius * factors[STP_GROWTHS - 1]);
+        float limit = stp_min(own, beside) >= closed ? HOLE * covered : covered;
+        limit = opposite > 0.0f ? stp_max(limit, ONE_SIDED / opposite) : limit;
+        limit = stp_min(limit, d->covered + d->radius * factors[STP_GROWTHS - 1]);
         reach = stp_max(reach, stp_min(distance, limit));
     }
     return reach * BETWEEN;
@@ -168,8 +173,9 @@ static void count_growths(const gap_search* s, uint32_t bucket, uint32_t index, 
     }
 }
 
-/// The median growth of the points within a cell's side of a point; STP_GROWTH_PLAIN without any.
-static uint32_t median_around(const gap_search* s, uint32_t index)
+/// How large the growth of a point may be: OUTSTANDING above the median of the points within a
+/// cell's side of it, and STP_GROWTH_PLAIN in any case.
+static uint32_t limit_around(const gap_search* s, uint32_t index)
 {
     uint32_t counts[STP_GROWTHS] = {0}, total = 0, below = 0, median = 0;
     const float* p = s->desc->positions + 3 * (size_t)index;
@@ -189,7 +195,8 @@ static uint32_t median_around(const gap_search* s, uint32_t index)
     while ((below += counts[median]) * 2 < total) {
         median += 1;
     }
-    return median;
+    median += OUTSTANDING;
+    return median > STP_GROWTH_PLAIN ? median : STP_GROWTH_PLAIN;
 }
 
 /// Limits growths that are far above those around them: of points in the air, whose neighbours in
@@ -201,8 +208,7 @@ static void limit_growths(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         s->growths[i] = s->found[i];
         if (s->found[i] > STP_GROWTH_PLAIN) {
-            uint32_t most = median_around(s, (uint32_t)i) + OUTSTANDING;
-            most = most > STP_GROWTH_PLAIN ? most : STP_GROWTH_PLAIN;
+            uint32_t most = limit_around(s, (uint32_t)i);
             s->growths[i] = s->found[i] < most ? s->found[i] : (uint8_t)most;
         }
     }

@@ -35,10 +35,11 @@ typedef struct stp_growth_desc {
 } stp_growth_desc;
 
 /// Finds how far the surface reaches around each point: the farthest corner of its cell in the
-/// Voronoi diagram of its neighbours in its tangent plane. In a direction without a neighbour, and
-/// where the cell reaches more than 1.5 times as far as on the opposite side, it counts at most
-/// `covered` + `radius`, so that borders stay where they are. At most `covered` plus the largest
-/// factor times `radius` is found.
+/// Voronoi diagram of its neighbours in its tangent plane. In a direction in which the cell reaches
+/// more than 1.35 times as far as on the opposite side, it counts at most `covered` + `radius`, so
+/// that borders stay where they are; twice that where the cell is closed on that side. At most
+/// `covered` plus the largest factor times `radius` is found, and at most two factors above the
+/// median of the points around.
 /// @param growths result: an index for each point: the smallest factor that reaches as far
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc,
