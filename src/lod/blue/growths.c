@@ -16,8 +16,8 @@ enum {
 
 #define FINE_CELL 1.5f     // side of a cell, in spacings
 #define COARSE_CELL 12.0f  // the same for wide gaps
-#define ONE_SIDED 1.35f    // how much farther a cell may reach than on its opposite side
-#define CLOSED 4.0f        // a cell that reaches less far there is closed, in covered distances
+#define ONE_SIDED 1.3f     // how much farther a cell may reach than on its opposite side
+#define CLOSED 3.0f        // a cell that reaches less far there is closed, in covered distances
 #define HOLE 2.0f          // how far it then counts
 #define BETWEEN 1.05f      // corners of a cell may lie between two directions
 #define TOLERANCE 1.04f    // radii that are this much too small are good enough
@@ -129,9 +129,9 @@ static float reach_of(const stp_growth_desc* d, const plane_cell* cell)
         float limit = stp_min(own, beside) >= closed ? HOLE * covered : covered;
         limit = opposite > 0.0f ? stp_max(limit, ONE_SIDED / opposite) : limit;
         limit = stp_min(limit, d->covered + d->radius * factors[STP_GROWTHS - 1]);
-        reach = stp_max(reach, stp_min(distance, limit));
+        reach = stp_max(reach, stp_min(distance * BETWEEN, limit));
     }
-    return reach * BETWEEN;
+    return reach;
 }
 
 static uint8_t growth_for(const stp_growth_desc* d, float reach)

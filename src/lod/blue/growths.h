@@ -36,7 +36,7 @@ typedef struct stp_growth_desc {
 
 /// Finds how far the surface reaches around each point: the farthest corner of its cell in the
 /// Voronoi diagram of its neighbours in its tangent plane. In a direction in which the cell reaches
-/// more than 1.35 times as far as on the opposite side, it counts at most `covered` + `radius`, so
+/// more than 1.3 times as far as on the opposite side, it counts at most `covered` + `radius`, so
 /// that borders stay where they are; twice that where the cell is closed on that side. At most
 /// `covered` plus the largest factor times `radius` is found, and at most two factors above the
 /// median of the points around.
