@@ -20,7 +20,7 @@ enum {
 #define CLOSED 3.0f        // a cell that reaches less far there is closed, in covered distances
 #define HOLE 2.0f          // how far it then counts
 #define BETWEEN 1.05f      // corners of a cell may lie between two directions
-#define TOLERANCE 1.04f    // radii that are this much too small are good enough
+#define TOLERANCE 1.06f    // radii that are this much too small are good enough
 #define STEEP 1.0f         // neighbours may lie this far from the plane, relative to their distance in it
 
 static const float factors[STP_GROWTHS] = {0.125f, 0.176777f, 0.25f,    0.353553f, 0.5f, 0.707107f,
