@@ -148,14 +148,17 @@ static bool has_strays(const stp_scene* scene)
     return any;
 }
 
-/// Whether no points of a model have colours.
-static bool lacks_colors(const stp_scene* scene)
+/// Whether a model consists of points without colours, or of heights.
+static bool lacks_colors(const stp_scene* scene, bool is_cloud)
 {
-    bool plain = true;
+    bool heights = scene->source_count > 0, plain = is_cloud;
+    for (size_t i = 0; i < scene->source_count; ++i) {
+        heights = heights && strcmp(scene->sources[i].format, "hgt") == 0;
+    }
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         plain = plain && scene->point_sets[i].colors == NULL;
     }
-    return plain;
+    return heights || plain;
 }
 
 /// Makes splats of a model for the view, unless the model is too large or has strays.
@@ -172,7 +175,7 @@ static stp_result open_model(thumbnail* t)
     }
     bool large = any && (root->triangle_count > max_triangles || has_strays(scene));
     t->is_cloud = any && root->triangle_count == 0;
-    t->by_elevation = t->is_cloud && lacks_colors(scene);
+    t->by_elevation = any && lacks_colors(scene, t->is_cloud);
     if (result == STP_OK && !large) {
         stp_farthest_graph graph = scene_farthest_graph(scene);
         stp_camera_fit_content(t->context, &graph, &t->view);

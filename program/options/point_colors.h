@@ -8,7 +8,8 @@
 
 /// Words of --color, in the order of `point_color`.
 #define POINT_COLOR_WORDS                                                                          \
-    "auto|rgb|intensity|elevation|class|return|returns|scan-angle|source|time|near-infrared|normal"
+    "auto|rgb|intensity|elevation|class|return|returns|scan-angle|source|time|near-infrared|"      \
+    "normal"
 
 typedef enum point_color {
     POINT_COLOR_AUTO, ///< until point_colors_choose

@@ -17,9 +17,9 @@ typedef struct texture_mean {
 typedef struct reduction {
     const stp_scene* scene;
     texture_mean* means;
-    stp_shading* exact; ///< shading of each scene material
+    stp_shading* exact;     ///< shading of each scene material
     bool *used, *of_points; ///< by material
-    float* distance; ///< from each material's shading to the nearest chosen one
+    float* distance;        ///< from each material's shading to the nearest chosen one
 } reduction;
 
 static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
@@ -150,13 +150,11 @@ static size_t list_places(const reduction* r, bool with_growths, shading_place* 
                 continue;
             }
             stp_shading shading = with_growth(r->exact[i], s);
-            stp_hash hash =
-                stp_hash_bytes((stp_hash){0}, &shading, offsetof(stp_shading, growth));
+            stp_hash hash = stp_hash_bytes((stp_hash){0}, &shading, offsetof(stp_shading, growth));
             if (s != STP_GROWTH_PLAIN) {
                 hash = stp_hash_bytes(hash, &shading.growth, sizeof(shading.growth));
             }
-            places[used++] =
-                (shading_place){.hash = hash, .material = (uint32_t)i, .growth = s};
+            places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i, .growth = s};
         }
     }
     return used;

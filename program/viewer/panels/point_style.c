@@ -16,7 +16,8 @@ enum { LEGEND_STEPS = 64 };
 static bool is_offered(const viewer* v, int color)
 {
     stp_attribute a = point_color_attribute(color);
-    return color != POINT_COLOR_AUTO && (a == STP_ATTRIBUTES || stp_store_find_attribute(v->scene->store, a) != NULL);
+    return color != POINT_COLOR_AUTO &&
+           (a == STP_ATTRIBUTES || stp_store_find_attribute(v->scene->store, a) != NULL);
 }
 
 static bool has_scale(int color)
@@ -74,7 +75,7 @@ void point_style_begin(viewer* v)
 {
     const point_color_options* o = &v->options.colors;
     v->look = (point_style){.color = v->scene != NULL && is_offered(v, o->color) ? o->color
-                                                                                  : POINT_COLOR_RGB,
+                                                                                 : POINT_COLOR_RGB,
                             .automatic = o->color == POINT_COLOR_AUTO};
     point_style_follow(v);
     if (o->color != v->look.color && !v->look.automatic) {
@@ -159,8 +160,8 @@ static void show_other_method(const viewer* v)
 static void show_choice(viewer* v)
 {
     static const char* const titles[POINT_COLORS] = {
-        "",        "Own",        "Intensity", "Elevation", "Class",         "Return", "Returns",
-        "Scan angle", "Source",    "Time",      "Near infrared", "Normal"};
+        "",        "Own",        "Intensity", "Elevation", "Class",         "Return",
+        "Returns", "Scan angle", "Source",    "Time",      "Near infrared", "Normal"};
     const char* words[POINT_COLORS];
     int colors[POINT_COLORS], count = 0, chosen = 0;
     for (int i = 0; i < POINT_COLORS; ++i) {

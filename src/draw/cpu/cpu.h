@@ -219,7 +219,7 @@ typedef struct stp_cpu_renderer {
     stp_cpu_layers layers;
     float decode[256];                       ///< sRGB byte to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3];     ///< read in fours
-    float* growths; ///< of 256 shadings; NULL: all are 0
+    float* growths;                          ///< of 256 shadings; NULL: all are 0
     stp_cpu_shade_material* shade_materials; ///< see stp_cpu_make_shade_materials
     stp_cpu_shade_item* shade_items;
     uint32_t* first_ids; ///< first ids of items, ascending

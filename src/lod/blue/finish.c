@@ -19,7 +19,7 @@ typedef struct finish {
     stp_splats* surfels;
     float* positions; ///< 3 per surfel, relative to the candidates' origin
     float* normals;
-    float* envelope; ///< coverage radius of the first i surfels
+    float* envelope;  ///< coverage radius of the first i surfels
     uint8_t* growths; ///< growth of each surfel; NULL: plain
 } finish;
 

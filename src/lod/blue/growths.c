@@ -10,21 +10,22 @@
 enum {
     DIRECTIONS = 16,
     BUCKET_POINTS = 24, ///< points of a bucket that are compared: the first of the order
-    OUTSTANDING = 2, ///< how far a growth may be above the median around it
+    OUTSTANDING = 2,    ///< how far a growth may be above the median around it
     GRAIN = 512
 };
 
-#define FINE_CELL 1.5f     // side of a cell, in spacings
-#define COARSE_CELL 12.0f  // the same for wide gaps
-#define ONE_SIDED 1.3f     // how much farther a cell may reach than on its opposite side
-#define CLOSED 3.0f        // a cell that reaches less far there is closed, in covered distances
-#define HOLE 2.0f          // how far it then counts
-#define BETWEEN 1.05f      // corners of a cell may lie between two directions
-#define TOLERANCE 1.06f    // radii that are this much too small are good enough
-#define STEEP 1.0f         // neighbours may lie this far from the plane, relative to their distance in it
+#define FINE_CELL 1.5f    // side of a cell, in spacings
+#define COARSE_CELL 12.0f // the same for wide gaps
+#define ONE_SIDED 1.3f    // how much farther a cell may reach than on its opposite side
+#define CLOSED 3.0f       // a cell that reaches less far there is closed, in covered distances
+#define HOLE 2.0f         // how far it then counts
+#define BETWEEN 1.05f     // corners of a cell may lie between two directions
+#define TOLERANCE 1.06f   // radii that are this much too small are good enough
+#define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
 
-static const float factors[STP_GROWTHS] = {0.125f, 0.176777f, 0.25f,    0.353553f, 0.5f, 0.707107f,
-                                           1.0f,   1.414214f, 2.0f,     2.828427f, 4.0f, 5.656854f, 8.0f};
+static const float factors[STP_GROWTHS] = {0.125f,    0.176777f, 0.25f,     0.353553f, 0.5f,
+                                           0.707107f, 1.0f,      1.414214f, 2.0f,      2.828427f,
+                                           4.0f,      5.656854f, 8.0f};
 
 // Cosines of the directions; the sine is the cosine of a quarter turn before.
 static const float cosines[DIRECTIONS] = {
@@ -40,7 +41,7 @@ float stp_growth_factor(uint32_t growth)
 typedef struct gap_search {
     const stp_growth_desc* desc;
     stp_grid fine, coarse;
-    uint8_t* found; ///< growth of each point
+    uint8_t* found;   ///< growth of each point
     uint8_t* growths; ///< the same, and not far above those around it
 } gap_search;
 
@@ -54,8 +55,10 @@ typedef struct plane_cell {
 static plane_cell begin_cell(const stp_growth_desc* d, uint32_t index)
 {
     const float *p = d->positions + 3 * (size_t)index, *n = d->normals + 3 * (size_t)index;
-    plane_cell cell = {.point = {p[0], p[1], p[2]}, .normal = {n[0], n[1], n[2]}, .reach = INFINITY};
-    stp_vec3 axis = fabsf(n[0]) < 0.6f ? (stp_vec3){1.0f, 0.0f, 0.0f} : (stp_vec3){0.0f, 1.0f, 0.0f};
+    plane_cell cell = {
+        .point = {p[0], p[1], p[2]}, .normal = {n[0], n[1], n[2]}, .reach = INFINITY};
+    stp_vec3 axis =
+        fabsf(n[0]) < 0.6f ? (stp_vec3){1.0f, 0.0f, 0.0f} : (stp_vec3){0.0f, 1.0f, 0.0f};
     cell.across = stp_normalize(stp_cross(cell.normal, axis));
     cell.along = stp_cross(cell.normal, cell.across);
     return cell;
@@ -98,7 +101,8 @@ static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucke
     }
     float least = cut ? least_nearness(cell) : 0.0f;
     if (least > 0.0f) {
-        cell->reach = 4.0f * (1.0f + STEEP * STEEP) / (least * least); // steep neighbours are nearer in the plane
+        cell->reach = 4.0f * (1.0f + STEEP * STEEP) /
+                      (least * least); // steep neighbours are nearer in the plane
     }
 }
 
@@ -111,8 +115,8 @@ static void cut_by_grid(plane_cell* cell, const stp_grid* grid)
     cut_by_bucket(cell, grid, stp_grid_bucket(grid, x, y, z));
     for (int32_t i = 0; i < 27; ++i) {
         if (i != 13) {
-            cut_by_bucket(cell, grid, stp_grid_bucket(grid, x + i % 3 - 1, y + i / 3 % 3 - 1,
-                                                      z + i / 9 - 1));
+            cut_by_bucket(cell, grid,
+                          stp_grid_bucket(grid, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1));
         }
     }
 }
@@ -220,8 +224,9 @@ stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc, u
     gap_search s = {.desc = desc, .growths = growths};
     s.found = STP_NEW_ARRAY(context, uint8_t, desc->count);
     stp_result result = s.found == NULL ? stp_fail_memory(context) : STP_OK;
-    result = result != STP_OK ? result : stp_grid_create(context, desc->positions, NULL, desc->count,
-                                        FINE_CELL * desc->spacing, 0.0f, &s.fine);
+    result = result != STP_OK ? result
+                              : stp_grid_create(context, desc->positions, NULL, desc->count,
+                                                FINE_CELL * desc->spacing, 0.0f, &s.fine);
     if (result == STP_OK) {
         result = stp_grid_create(context, desc->positions, NULL, desc->sparse_count,
                                  COARSE_CELL * desc->spacing, 0.0f, &s.coarse);

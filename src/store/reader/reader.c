@@ -86,8 +86,7 @@ static stp_result link_growths(stp_store* store)
     const float* growths = store->tables[STP_SECTION_GROWTHS];
     stp_shading* shadings = store->tables[STP_SECTION_SHADINGS];
     uint32_t count = store->counts[STP_SECTION_GROWTHS];
-    if (store->known[STP_SECTION_GROWTHS] != NULL &&
-        count != store->counts[STP_SECTION_SHADINGS]) {
+    if (store->known[STP_SECTION_GROWTHS] != NULL && count != store->counts[STP_SECTION_SHADINGS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: lists the growths of %u shadings but has %u", store->path, count,
                         store->counts[STP_SECTION_SHADINGS]);
@@ -95,8 +94,8 @@ static stp_result link_growths(stp_store* store)
     for (uint32_t i = 0; i < count; ++i) {
         if (!(growths[i] > -1.0f && growths[i] <= (float)STP_GROWTH_MAX)) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
-                            "%s: shading %u: its growth is not above -1 and at most %d", store->path,
-                            i, STP_GROWTH_MAX);
+                            "%s: shading %u: its growth is not above -1 and at most %d",
+                            store->path, i, STP_GROWTH_MAX);
         }
         shadings[i].growth = growths[i];
     }
