@@ -9,18 +9,21 @@
 
 enum {
     DIRECTIONS = 16,
-    BUCKET_POINTS = 24, ///< points of a bucket that are compared: the first of the order
-    OUTSTANDING = 2,    ///< how far a growth may be above the median around it
+    FINE_POINTS = 8,    ///< points of a bucket that are compared: the first of the order
+    COARSE_POINTS = 24, ///< the same for wide gaps
+    VOLUME =
+        6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
+    OUTSTANDING = 2, ///< how far a growth may be above the median around it
     GRAIN = 512
 };
 
-#define FINE_CELL 1.5f    // side of a cell, in spacings
-#define COARSE_CELL 12.0f // the same for wide gaps
-#define ONE_SIDED 1.3f    // how much farther a cell may reach than on its opposite side
-#define CLOSED 3.0f       // a cell that reaches less far there is closed, in covered distances
-#define HOLE 2.0f         // how far it then counts
-#define BETWEEN 1.05f     // corners of a cell may lie between two directions
-#define TOLERANCE 1.06f   // radii that are this much too small are good enough
+#define FINE_CELL 1.5f   // side of a cell, in spacings
+#define COARSE_CELL 8.0f // the same for wide gaps
+#define ONE_SIDED 1.3f   // how much farther a cell may reach than on its opposite side
+#define CLOSED 3.0f      // a cell that reaches less far there is closed, in covered distances
+#define HOLE 2.0f        // how far it then counts
+#define BETWEEN 1.05f    // corners of a cell may lie between two directions
+#define TOLERANCE 1.06f  // radii that are this much too small are good enough
 #define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
 
 static const float factors[STP_GROWTHS] = {0.125f,    0.176777f, 0.25f,     0.353553f, 0.5f,
@@ -49,6 +52,7 @@ typedef struct gap_search {
 typedef struct plane_cell {
     stp_vec3 point, normal, across, along;
     float nearness[DIRECTIONS]; ///< 1 / distance to the border of the cell; 0: no border
+    uint32_t steep;             ///< neighbours that are not of the surface
     float reach;                ///< square of the distance from which neighbours change nothing
 } plane_cell;
 
@@ -70,6 +74,7 @@ static bool cut_cell(plane_cell* cell, stp_vec3 offset)
     float u = stp_dot(offset, cell->across), v = stp_dot(offset, cell->along);
     float height = stp_dot(offset, cell->normal), square = u * u + v * v;
     if (!(square > 0.0f) || height * height > STEEP * square) {
+        cell->steep += square > 0.0f ? 1 : 0;
         return false;
     }
     float a = 2.0f * u / square, b = 2.0f * v / square;
@@ -89,10 +94,10 @@ static float least_nearness(const plane_cell* cell)
     return least;
 }
 
-static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucket)
+static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucket, uint32_t limit)
 {
     uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + 1];
-    end = end - begin < BUCKET_POINTS ? end : begin + BUCKET_POINTS;
+    end = end - begin < limit ? end : begin + limit;
     bool cut = false;
     for (uint32_t at = begin; at < end; ++at) {
         stp_vec3 offset = {grid->x[at] - cell->point.x, grid->y[at] - cell->point.y,
@@ -108,15 +113,16 @@ static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucke
 
 /// Cuts a cell by the points around it: of its own cell of the grid first, which leaves little to do
 /// for the others.
-static void cut_by_grid(plane_cell* cell, const stp_grid* grid)
+static void cut_by_grid(plane_cell* cell, const stp_grid* grid, uint32_t limit)
 {
     int32_t x = stp_grid_cell(grid, cell->point.x), y = stp_grid_cell(grid, cell->point.y),
             z = stp_grid_cell(grid, cell->point.z);
-    cut_by_bucket(cell, grid, stp_grid_bucket(grid, x, y, z));
+    cut_by_bucket(cell, grid, stp_grid_bucket(grid, x, y, z), limit);
     for (int32_t i = 0; i < 27; ++i) {
         if (i != 13) {
             cut_by_bucket(cell, grid,
-                          stp_grid_bucket(grid, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1));
+                          stp_grid_bucket(grid, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1),
+                          limit);
         }
     }
 }
@@ -156,9 +162,9 @@ static void search_points(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t at = begin; at < end; ++at) {
         uint32_t index = s->fine.index[at];
         plane_cell cell = begin_cell(s->desc, index);
-        cut_by_grid(&cell, &s->fine);
-        if (!(least_nearness(&cell) * known >= 1.0f)) {
-            cut_by_grid(&cell, &s->coarse);
+        cut_by_grid(&cell, &s->fine, FINE_POINTS);
+        if (!(least_nearness(&cell) * known >= 1.0f) && cell.steep < VOLUME) {
+            cut_by_grid(&cell, &s->coarse, COARSE_POINTS);
         }
         s->found[index] = growth_for(s->desc, reach_of(s->desc, &cell));
     }
@@ -169,7 +175,7 @@ static void count_growths(const gap_search* s, uint32_t bucket, uint32_t index, 
     const stp_grid* grid = &s->fine;
     uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + 1];
     const float* p = s->desc->positions + 3 * (size_t)index;
-    end = end - begin < BUCKET_POINTS ? end : begin + BUCKET_POINTS;
+    end = end - begin < FINE_POINTS ? end : begin + FINE_POINTS;
     for (uint32_t at = begin; at < end; ++at) {
         stp_vec3 offset = {grid->x[at] - p[0], grid->y[at] - p[1], grid->z[at] - p[2]};
         bool near = stp_dot(offset, offset) <= grid->cell * grid->cell;
