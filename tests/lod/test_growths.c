@@ -98,12 +98,12 @@ void test_growths_agree_with_brute_force(test_state* test)
         add(&c, 10.0 * (double)(stp_rng_hash(1, i) >> 11) * 0x1p-53,
             10.0 * (double)(stp_rng_hash(2, i) >> 11) * 0x1p-53);
     }
-    CHECK(find(&c, 1, 0.75f, true));
+    CHECK(find(&c, 1, 0.6f, true));
     measure_cells(&c, 10.0, reach);
     uint32_t inner = 0, right = 0;
     for (uint32_t i = 0; i < c.count; ++i) {
         const float* p = c.positions + 3 * (size_t)i;
-        float radius = 0.75f * 0.70710678f * stp_growth_factor(c.growths[i]);
+        float radius = 0.6f * 0.70710678f * stp_growth_factor(c.growths[i]);
         if (p[0] > 1.0f && p[0] < 9.0f && p[2] > 1.0f && p[2] < 9.0f) {
             inner += 1;
             right += radius * 1.08f >= reach[i] && radius <= reach[i] * 1.5f + 0.1f ? 1 : 0;
