@@ -30,6 +30,7 @@ def stipple(*arguments, threads=0):
     """Runs a command with --json and returns its output. Uses the CPU backend unless specified."""
     draws = arguments[0] in ("render", "fly") and "--backend" not in arguments
     call = [str(STIPPLE), *map(str, arguments), "--json", "--quiet", *(["--backend", "cpu"] if draws else []),
+            *(["--color", "rgb"] if arguments[0] in ("render", "fly") and "--color" not in arguments else []),
             *(["--threads", str(threads)] if threads else [])]
     done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode != 0:

@@ -44,7 +44,7 @@ def measure(given, model, folder):
     bytes_of_file, grown = stored.stat().st_size, []
     for step in range(1, given.steps + 1):
         size = -(-bytes_of_file * step // given.steps)
-        call = [kit.STIPPLE, "render", stored, "-o", part, "--prefix", str(size), "--backend", "cpu", "--once", "--quiet", *look]
+        call = [kit.STIPPLE, "render", stored, "-o", part, "--prefix", str(size), "--backend", "cpu", "--color", "rgb", "--once", "--quiet", *look]
         done = subprocess.run(list(map(str, call)), capture_output=True, text=True)
         if done.returncode != 0 and "within its directory" not in done.stderr:
             raise SystemExit(done.stderr)

@@ -62,6 +62,7 @@ RECORDS = {
     44: ("level_groups", "5f", "center:3 radius error"),
     45: ("level_figures", "3Q", "levels triangles bytes"),
     46: ("sides", "2IQ", "flags inverted triangles"),
+    47: ("growths", "f", "growth"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -228,6 +229,8 @@ def check_graph(header, t):
         for use in ("base_color_texture", "metallic_roughness_texture", "emissive_texture"):
             check_reference(material[use][0], counts["textures"], f"material {i}: {use}")
             need(material[use][1] <= 1, f"material {i}: texcoord")
+    need(counts["growths"] in (0, counts["shadings"]), "growths")
+    need(all(-1 < s["growth"] <= 63 for s in t["growths"]), "growths")
     need(counts["shadings"] <= 256 and all(s["flags"] <= 7 for s in t["shadings"]), "shadings")
     for i, texture in enumerate(t["textures"]):
         need(0 < texture["width"] <= 65536 and 0 < texture["height"] <= 65536, f"texture {i}: size")

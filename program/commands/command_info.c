@@ -6,6 +6,7 @@
 #include "import/reading/import.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
+#include "program/options/point_colors.h"
 #include "program/reports/describe.h"
 #include "program/reports/reports.h"
 
@@ -74,6 +75,25 @@ static int print_figures(const char* path, stp_result described, scene_figures* 
     return code;
 }
 
+/// Whether a file is drawn by elevation if no colour is asked for. Only of clouds and heights does
+/// it read more than the description.
+static bool is_by_elevation(stp_context* context, const char* path, const scene_figures* figures)
+{
+    const stp_store_directory* d = figures->directory;
+    bool heights = d->source_count > 0 && d->sources[0].format != NULL &&
+                   strcmp(d->sources[0].format, "hgt") == 0;
+    if (!heights && figures->summary.figures.triangles > 0) {
+        return false;
+    }
+    stp_store* store = NULL;
+    stp_store_open_desc desc = {.defer_objects = true, .accept_partial = true};
+    int color = POINT_COLOR_AUTO;
+    bool opened = stp_store_open_with(context, path, &desc, &store) == STP_OK;
+    bool known = opened && point_colors_choose(store, 0, &color) == STP_OK;
+    stp_store_close(store);
+    return known && color == POINT_COLOR_ELEVATION;
+}
+
 static int print_store(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
@@ -83,6 +103,7 @@ static int print_store(stp_context* context, const char* path)
     }
     scene_figures figures;
     stp_result described = describe_store(context, store, &figures);
+    figures.by_elevation = described == STP_OK && is_by_elevation(context, path, &figures);
     int code = print_figures(path, described, &figures, NULL);
     stp_store_close(store);
     return code;

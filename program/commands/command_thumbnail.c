@@ -12,6 +12,7 @@
 #include "program/files/scene_file.h"
 #include "program/options/cloud_style.h"
 #include "program/options/command.h"
+#include "program/options/point_colors.h"
 #include "program/options/tool.h"
 #include "program/present/picture_file.h"
 #include "scene/strays.h"
@@ -96,7 +97,8 @@ typedef struct thumbnail {
     drawn_path way;
     uint64_t drawn_splats;
     uint64_t drawn_triangles;
-    bool is_cloud; ///< all of the model are points
+    bool is_cloud;     ///< all of the model are points
+    bool by_elevation; ///< it has no colours of its own
     stp_image image;
 } thumbnail;
 
@@ -148,6 +150,19 @@ static bool has_strays(const stp_scene* scene)
     return any;
 }
 
+/// Whether a model consists of points without colours, or of heights.
+static bool lacks_colors(const stp_scene* scene, bool is_cloud)
+{
+    bool heights = scene->source_count > 0, plain = is_cloud;
+    for (size_t i = 0; i < scene->source_count; ++i) {
+        heights = heights && strcmp(scene->sources[i].format, "hgt") == 0;
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        plain = plain && scene->point_sets[i].colors == NULL;
+    }
+    return heights || plain;
+}
+
 /// Makes splats of a model for the view, unless the model is too large or has strays.
 static stp_result open_model(thumbnail* t)
 {
@@ -162,6 +177,7 @@ static stp_result open_model(thumbnail* t)
     }
     bool large = any && (root->triangle_count > max_triangles || has_strays(scene));
     t->is_cloud = any && root->triangle_count == 0;
+    t->by_elevation = any && lacks_colors(scene, t->is_cloud);
     if (result == STP_OK && !large) {
         stp_farthest_graph graph = scene_farthest_graph(scene);
         stp_camera_fit_content(t->context, &graph, &t->view);
@@ -178,13 +194,22 @@ static stp_result open_model(thumbnail* t)
     return large ? open_built(t) : result;
 }
 
+/// Place of the drawn method in the file's table.
+static uint32_t method_of(const thumbnail* t)
+{
+    return stp_store_find_method(stp_store_get_directory(t->store), t->quality.method);
+}
+
 static stp_result open_any(thumbnail* t)
 {
     t->quality = (stp_quality){.splat_size = 1.0f};
     face(t);
     stp_result result = tool_is_store_file(t->path) ? open_stored(t) : open_model(t);
     if (result == STP_OK && t->way != WAY_CAPTURED) {
+        int color = POINT_COLOR_AUTO;
         t->is_cloud = cloud_style_is_cloud(t->store);
+        result = point_colors_choose(t->store, method_of(t), &color);
+        t->by_elevation = color == POINT_COLOR_ELEVATION;
         const stp_farthest_store content = {t->context, t->store, NULL};
         stp_camera_fit_store(&content, NULL, &t->view);
     }
@@ -205,7 +230,12 @@ static stp_result draw(thumbnail* t)
         memset(t->image.pixels, 0, 4 * (size_t)t->image.width * t->image.height);
         return STP_OK;
     }
-    stp_result result = frame_maker_create(t->context, t->store, &style, &maker);
+    stp_result result = STP_OK;
+    if (t->by_elevation) {
+        style.coloring = STP_DRAW_ELEVATION;
+        result = point_colors_elevations(t->context, t->store, method_of(t), style.elevation);
+    }
+    result = result == STP_OK ? frame_maker_create(t->context, t->store, &style, &maker) : result;
     if (result == STP_OK) {
         result = frame_draw(&maker, &t->view, &t->quality, &t->image, &figures);
     }

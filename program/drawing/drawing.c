@@ -53,6 +53,14 @@ stp_result drawing_open(drawing* d, draw_options* options, const char* path)
     choose_method(d, options, path);
     stp_quality quality = draw_options_quality(options);
     uint32_t method = stp_store_find_method(stp_store_get_directory(d->store), quality.method);
+    if (options->settings.style.filter != STP_FILTER_NONE &&
+        options->colors.color == POINT_COLOR_AUTO) {
+        options->colors.color = POINT_COLOR_RGB; // pixels are not coloured where splats blend
+    }
+    result = point_colors_choose(d->store, method, &options->colors.color);
+    if (result != STP_OK) {
+        return result;
+    }
     result = point_colors_find(&options->colors, d->context, d->store, path, method,
                                options->settings.quality.reference, &d->coloring);
     return result == STP_OK ? stp_store_set_coloring(d->store, &d->coloring.points) : result;

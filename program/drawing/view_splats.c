@@ -391,7 +391,7 @@ stp_result view_splats_make(const stp_scene* scene, const stp_view* view, uint32
         if (!m.is_cloud && m.candidates.silhouette_count > 0) {
             thin_out(&m);
         }
-        result = stp_make_shadings(scene, &m.shadings);
+        result = stp_make_shadings(scene, false, &m.shadings);
         result = result == STP_OK ? measure_candidates(&m) : result;
         result = result == STP_OK ? merge(&m, count) : result;
         result = result == STP_OK ? open_store(&m, &made->store) : result;

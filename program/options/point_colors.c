@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/options/point_colors.h"
 
+#include "program/options/cloud_style.h"
 #include "program/options/tool.h"
 
 #include <assert.h>
@@ -9,9 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEIGHTS_MAX = 50000, CLASSES = 256 };
+enum {
+    HEIGHTS_MAX = 50000,
+    COLORS_MAX = 1000,   ///< splats of a set whose colours are compared, and more of the octave
+    COLOR_SETS_MAX = 64, ///< sets whose colours are compared: the last ones, which are coarse
+    CLASSES = 256
+};
 
 static const stp_attribute attributes[POINT_COLORS] = {
+    [POINT_COLOR_AUTO] = STP_ATTRIBUTES,
     [POINT_COLOR_RGB] = STP_ATTRIBUTES,
     [POINT_COLOR_INTENSITY] = STP_ATTRIBUTE_INTENSITY,
     [POINT_COLOR_ELEVATION] = STP_ATTRIBUTES,
@@ -34,8 +41,8 @@ stp_attribute point_color_attribute(int color)
 const char* point_color_name(int color)
 {
     static const char* const names[POINT_COLORS] = {
-        "rgb",        "intensity", "elevation", "class",         "return", "returns",
-        "scan-angle", "source",    "time",      "near-infrared", "normal"};
+        "auto",    "rgb",        "intensity", "elevation", "class",         "return",
+        "returns", "scan-angle", "source",    "time",      "near-infrared", "normal"};
     assert(color >= 0 && color < POINT_COLORS);
     return names[color];
 }
@@ -49,7 +56,8 @@ const option* point_color_options_table(option* table, point_color_options* o)
          .words = POINT_COLOR_WORDS,
          .help = "colour points by an attribute: a continuous scale from violet to yellow, or "
                  "distinct colours (class, return, returns, source); elevation and normal also "
-                 "apply to meshes; default rgb, their own colours",
+                 "apply to meshes; rgb: their own colours; default auto: rgb, or elevation for "
+                 "points or heights (HGT) without colours",
          .value = &o->color,
          .group = "Points"},
         {.name = "range",
@@ -243,8 +251,26 @@ static stp_result check_attribute(stp_context* context, const stp_store* store, 
 
 static int compare_heights(const void* a, const void* b)
 {
-    uint16_t x = *(const uint16_t*)a, y = *(const uint16_t*)b;
+    double x = *(const double*)a, y = *(const double*)b;
     return (x > y) - (x < y);
+}
+
+/// The set that shows the whole scene: the root's, or that of its only child, and so on.
+static uint32_t find_whole_set(const stp_store_directory* d, uint32_t method, stp_affine* placed)
+{
+    uint32_t node = d->root, set = STP_STORE_NONE;
+    *placed = stp_affine_identity();
+    while (d->method_count > 0) {
+        const stp_store_node* n = &d->nodes[node];
+        set = stp_store_set_of(d, method, node);
+        if (set != STP_STORE_NONE || n->edge_count != 1 || n->part_count != 0) {
+            break;
+        }
+        const stp_store_edge* edge = &d->edges[n->first_edge];
+        *placed = stp_affine_multiply(*placed, edge->transform);
+        node = edge->node; // below its parent
+    }
+    return set;
 }
 
 stp_result point_colors_elevations(stp_context* context, stp_store* store, uint32_t method,
@@ -258,7 +284,8 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     }
     range[0] = d->nodes[d->root].bounds.min.y;
     range[1] = d->nodes[d->root].bounds.max.y;
-    uint32_t set = d->method_count > 0 ? stp_store_set_of(d, method, d->root) : STP_STORE_NONE;
+    stp_affine placed;
+    uint32_t set = find_whole_set(d, method, &placed);
     if (set == STP_STORE_NONE || stp_store_is_partial(store)) {
         return STP_OK;
     }
@@ -267,21 +294,77 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     stp_result result = stp_store_get_splat_set_prefix(store, set, octaves, &splats);
     uint32_t count = result == STP_OK ? splats.count : 0;
     count = count < HEIGHTS_MAX ? count : HEIGHTS_MAX;
-    uint16_t* heights = STP_NEW_ARRAY(context, uint16_t, (size_t)count + 1);
+    double* heights = STP_NEW_ARRAY(context, double, (size_t)count + 1);
     if (result == STP_OK && heights == NULL) {
         result = stp_fail_memory(context);
     }
     if (result == STP_OK && count > 0) {
         for (size_t i = 0; i < count; ++i) {
-            heights[i] = splats.positions[3 * i + 1];
+            heights[i] = stp_affine_point(&placed, stp_splat_place(&splats, i)).y;
         }
         qsort(heights, count, sizeof(*heights), compare_heights);
-        double low = (double)heights[count / 50], high = (double)heights[count - 1 - count / 50];
-        range[0] = (double)splats.origin.y + (double)splats.step * low;
-        range[1] = (double)splats.origin.y + (double)splats.step * high;
+        range[0] = heights[count / 50];
+        range[1] = heights[count - 1 - count / 50];
     }
     stp_free(context, heights);
     stp_store_release_splat_set(store, set);
+    return result;
+}
+
+/// Whether a scene shows only heights, which have no colours.
+static bool is_terrain(const stp_store_directory* d)
+{
+    bool heights = d->source_count > 0;
+    for (uint32_t i = 0; i < d->source_count && heights; ++i) {
+        heights = d->sources[i].format != NULL && strcmp(d->sources[i].format, "hgt") == 0;
+    }
+    return heights;
+}
+
+/// The only colour of the splats so far.
+typedef struct one_color {
+    bool known, same;
+    uint8_t rgb[3];
+} one_color;
+
+/// Compares the coarsest splats of a set with the colour of others.
+static stp_result look_for_colors(stp_store* store, uint32_t set, one_color* found)
+{
+    stp_splats splats;
+    uint32_t octaves = stp_store_octaves_for(stp_store_describe_splat_set(store, set), COLORS_MAX);
+    stp_result result = stp_store_get_splat_set_prefix(store, set, octaves, &splats);
+    uint32_t count = result == STP_OK ? splats.count : 0;
+    if (count > 0 && !found->known) {
+        found->known = true;
+        memcpy(found->rgb, splats.colors, sizeof(found->rgb));
+    }
+    for (uint32_t i = 0; i < count && found->same; ++i) {
+        found->same = memcmp(splats.colors + 3 * (size_t)i, found->rgb, sizeof(found->rgb)) == 0;
+    }
+    stp_store_release_splat_set(store, set);
+    return result;
+}
+
+stp_result point_colors_choose(stp_store* store, uint32_t method, int* color)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    if (*color != POINT_COLOR_AUTO) {
+        return STP_OK;
+    }
+    *color = is_terrain(d) ? POINT_COLOR_ELEVATION : POINT_COLOR_RGB;
+    if (d->method_count == 0 || !cloud_style_is_cloud(store)) {
+        return STP_OK;
+    }
+    const stp_store_method* m = &d->methods[method];
+    uint32_t last = m->set_count > COLOR_SETS_MAX ? m->set_count - COLOR_SETS_MAX : 0;
+    one_color found = {.same = true};
+    stp_result result = STP_OK;
+    for (uint32_t i = m->set_count; i > last && found.same && result == STP_OK; --i) {
+        result = look_for_colors(store, m->first_set + i - 1, &found);
+    }
+    if (found.same && found.known) {
+        *color = POINT_COLOR_ELEVATION;
+    }
     return result;
 }
 

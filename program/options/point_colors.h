@@ -8,9 +8,11 @@
 
 /// Words of --color, in the order of `point_color`.
 #define POINT_COLOR_WORDS                                                                          \
-    "rgb|intensity|elevation|class|return|returns|scan-angle|source|time|near-infrared|normal"
+    "auto|rgb|intensity|elevation|class|return|returns|scan-angle|source|time|near-infrared|"      \
+    "normal"
 
 typedef enum point_color {
+    POINT_COLOR_AUTO, ///< until point_colors_choose
     POINT_COLOR_RGB,
     POINT_COLOR_INTENSITY,
     POINT_COLOR_ELEVATION,
@@ -57,6 +59,12 @@ int point_colors_check(const point_color_options* options);
 bool point_colors_read_range(const char* text, double* low, double* high);
 /// Reads N,N and marks only these classes. @return false on a syntax error
 bool point_colors_read_classes(const char* text, uint8_t shown[256]);
+
+/// Resolves --color auto: elevation for heights (SRTM), and for points if the coarsest splats of a
+/// method (an index in the file's table) all have one colour; else own colours. Other colours stay
+/// as they are.
+/// @return STP_OK, or why the splats cannot be read; logged
+STP_MUST_USE stp_result point_colors_choose(stp_store* store, uint32_t method, int* color);
 
 /// Whether the options ask for attributes that only points have.
 bool point_colors_need_points(const point_color_options* options);

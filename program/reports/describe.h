@@ -20,6 +20,7 @@ typedef struct scene_figures {
     stp_store_level_figures levels;        ///< levels of triangles
     bool has_level_figures;                ///< false: an early file of version 1.3, without them
     stp_store_side_figures sides;          ///< what is drawn from the front only
+    bool by_elevation;     ///< of a .stip: drawn by elevation if no colour is asked for
     double position_error; ///< maximum error of a .stip's points, scene units; 0: unknown or none
 } scene_figures;
 

@@ -176,6 +176,8 @@ json_t* describe_json(const scene_figures* f)
     if (stored) {
         (void)json_object_set_new(json, "truncated", json_boolean(f->file_bytes < f->whole_bytes));
         set_count(json, "whole_bytes", f->whole_bytes);
+        (void)json_object_set_new(json, "default_color",
+                                  json_string(f->by_elevation ? "elevation" : "rgb"));
     }
     (void)json_object_set_new(json, "methods", methods);
     set_figures(json, &f->summary.figures);
@@ -308,6 +310,9 @@ static void print_place(const scene_figures* f)
         printf("  %-12s %s\n", "unit", unit != NULL ? unit : "unknown");
     }
     printf("  %-12s %c\n", "up", f->directory->up);
+    if (f->by_elevation) {
+        printf("  %-12s none in the file, so drawn by elevation (--color)\n", "colours");
+    }
     print_exactness(f);
 }
 

@@ -35,6 +35,7 @@ typedef struct build {
     stp_build_draft* draft; ///< NULL: not wanted
     stp_scene* scene;
     stp_shading_set shadings;
+    stp_blue_desc blue; ///< of the description, with the growths of the shadings
     stp_store_census census;
     bool splats_wanted;
     stp_build_plan plan;
@@ -234,11 +235,21 @@ static uint64_t largest_step(const stp_build_plan* plan)
     return maximum;
 }
 
+/// Whether the file holds the method that is drawn with levels, and whose points have growths.
+static bool has_blue(const stp_build_desc* desc)
+{
+    bool has = desc->method_count == 0;
+    for (uint32_t i = 0; i < desc->method_count; ++i) {
+        has = has || desc->methods[i] == &stp_methods[0];
+    }
+    return has;
+}
+
 static stp_result plan_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
     stp_result result = stp_scene_find_looks(b->scene);
-    result = result == STP_OK ? stp_make_shadings(b->scene, &b->shadings) : result;
+    result = result == STP_OK ? stp_make_shadings(b->scene, has_blue(desc), &b->shadings) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -246,8 +257,10 @@ static stp_result plan_splat_sets(build* b)
         b->scene->front_only_shadings[i] =
             (b->shadings.shadings[i].flags & STP_SHADING_FRONT_ONLY) != 0;
     }
+    b->blue = desc->blue;
+    b->blue.growths = b->shadings.has_growths ? &b->shadings.growths : NULL;
     stp_build_plan_desc plan = {
-        .blue = &desc->blue,
+        .blue = &b->blue,
         .rule = desc->splat_rule,
         .shading_of_material = b->shadings.of_material,
         .shadings = b->shadings.shadings,
@@ -274,7 +287,7 @@ static stp_result make_splat_sets(build* b)
     double start = stp_clock_ms();
     stp_build_nodes_desc nodes = {
         .plan = &b->plan,
-        .blue = &desc->blue,
+        .blue = &b->blue,
         .method = method_alone(desc),
         .options = &desc->method_options,
         .shading_of_material = b->shadings.of_material,
@@ -309,6 +322,7 @@ static stp_result make_methods(build* b)
         .method_count = desc->method_count != 0 ? desc->method_count : 1,
         .options = &desc->method_options,
         .shading_count = b->shadings.count,
+        .growths = b->blue.growths,
         .memory_bytes = bytes_for_step(b),
         .work = b->work,
         .previous = b->previous,
@@ -330,16 +344,6 @@ static stp_result code_meshes(build* b)
     b->report->meshes_made = b->meshes.made;
     b->report->meshes_found = b->meshes.found;
     return result;
-}
-
-/// Whether the file holds the method that is drawn with levels.
-static bool has_blue(const stp_build_desc* desc)
-{
-    bool has = desc->method_count == 0;
-    for (uint32_t i = 0; i < desc->method_count; ++i) {
-        has = has || desc->methods[i] == &stp_methods[0];
-    }
-    return has;
 }
 
 static stp_result make_levels(build* b)

@@ -69,6 +69,10 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
         result = method->make(context, &source, r->desc->options, &made);
     }
     stp_node_triangles_destroy(context, &large);
+    for (uint32_t i = 0; result == STP_OK && r->desc->growths != NULL && i < made.count; ++i) {
+        made.materials[i] =
+            r->desc->growths->plain[made.materials[i]]; // shapes have their own radii
+    }
     if (result == STP_OK) {
         result = stp_work_store_splat_set(r->desc->work, key, &made, 0, set);
         stp_splats_destroy(context, &made);

@@ -22,7 +22,8 @@ typedef struct stp_build_methods_desc {
     uint32_t method_count; ///< at least 1; no duplicates
     const stp_method_options* options;
     uint32_t shading_count;
-    uint64_t memory_bytes; ///< for sets in progress; 0: no limit
+    const stp_growth_table* growths; ///< of the samples' shadings; NULL: none
+    uint64_t memory_bytes;           ///< for sets in progress; 0: no limit
     stp_work* work;
     stp_previous_output* previous; ///< NULL: none
 } stp_build_methods_desc;

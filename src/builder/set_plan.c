@@ -343,6 +343,10 @@ static stp_hash hash_shadings(const planning* p, const stp_node* node)
         for (uint32_t k = 0; k < variants; ++k) {
             hash = hash_shading(p, hash, stp_look_index(scene, look, 0, 0) + k);
         }
+        if (part.kind == STP_PART_POINTS && p->desc->blue->growths != NULL) {
+            uint8_t shading = p->desc->shading_of_material[material];
+            hash = stp_hash_bytes(hash, p->desc->blue->growths->of[shading], STP_GROWTHS);
+        }
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = scene->edges[node->first_edge + i].node;

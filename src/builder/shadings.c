@@ -6,6 +6,7 @@
 #include "scene/looks.h"
 
 #include <assert.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,10 +18,10 @@ typedef struct texture_mean {
 typedef struct reduction {
     const stp_scene* scene;
     texture_mean* means;
-    size_t count;       ///< materials, and then their variants (scene/looks.h)
-    stp_shading* exact; ///< shading of each
-    bool* used;
-    float* distance; ///< from each material's shading to the nearest chosen one
+    size_t count;           ///< materials, and then their variants (scene/looks.h)
+    stp_shading* exact;     ///< shading of each
+    bool *used, *of_points; ///< by material
+    float* distance;        ///< from each material's shading to the nearest chosen one
 } reduction;
 
 static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
@@ -93,6 +94,7 @@ static void mark_used(reduction* r)
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         assert(scene->point_sets[i].material < scene->material_count);
         r->used[scene->point_sets[i].material] = true;
+        r->of_points[scene->point_sets[i].material] = true;
     }
     for (size_t i = scene->material_count; i < r->count; ++i) {
         r->used[i] = true; // triangles have its material
@@ -118,10 +120,10 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
-// The shading of a used material, to be placed in the table.
+// The shading of a used material, with one growth, to be placed in the table.
 typedef struct shading_place {
     stp_hash hash;
-    uint32_t material;
+    uint32_t material, growth;
     uint32_t place;
 } shading_place;
 
@@ -135,7 +137,10 @@ static int compare_places(const void* left, const void* right)
     if (a->hash.high != b->hash.high) {
         return a->hash.high < b->hash.high ? -1 : 1;
     }
-    return a->material < b->material ? -1 : a->material > b->material ? 1 : 0;
+    if (a->material != b->material) {
+        return a->material < b->material ? -1 : 1;
+    }
+    return a->growth < b->growth ? -1 : a->growth > b->growth ? 1 : 0;
 }
 
 // Content of unused indices.
@@ -147,18 +152,54 @@ static stp_shading make_unused(void)
     return shading;
 }
 
-// Gives every shading its own index: the one its hash names, or the next free one, in the order of
-// their hashes. So splats of a previous build stay valid when other materials are added or
-// removed, except for the few whose indices collide. @return false if there are too many
-static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
+static stp_shading with_growth(stp_shading shading, uint32_t growth)
+{
+    shading.growth = stp_growth_factor(growth) - 1.0f;
+    return shading;
+}
+
+// Lists the shadings of all used materials, with all growths where materials of points have them.
+static size_t list_places(const reduction* r, bool with_growths, shading_place* places)
 {
     size_t used = 0;
     for (size_t i = 0; i < r->count; ++i) {
-        if (r->used[i]) {
-            stp_hash hash = stp_hash_bytes((stp_hash){0}, &r->exact[i], sizeof(r->exact[i]));
-            places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i};
+        for (uint32_t s = 0; s < STP_GROWTHS && r->used[i]; ++s) {
+            if (s != STP_GROWTH_PLAIN && !(with_growths && r->of_points[i])) {
+                continue;
+            }
+            stp_shading shading = with_growth(r->exact[i], s);
+            stp_hash hash = stp_hash_bytes((stp_hash){0}, &shading, offsetof(stp_shading, growth));
+            if (s != STP_GROWTH_PLAIN) {
+                hash = stp_hash_bytes(hash, &shading.growth, sizeof(shading.growth));
+            }
+            places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i, .growth = s};
         }
     }
+    return used;
+}
+
+// Says for each shading which ones differ only in the growth.
+static void link_growths(const shading_place* places, size_t count, stp_shading_set* set)
+{
+    for (uint32_t i = 0; i < STP_SHADING_LIMIT; ++i) {
+        memset(set->growths.of[i], (int)i, STP_GROWTHS);
+        set->growths.plain[i] = (uint8_t)i;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        uint8_t plain = set->of_material[places[i].material];
+        set->growths.of[plain][places[i].growth] = (uint8_t)places[i].place;
+        set->growths.plain[places[i].place] = plain;
+        set->has_growths = set->has_growths || places[i].growth != STP_GROWTH_PLAIN;
+    }
+}
+
+// Gives every shading its own index: the one its hash names, or the next free one, in the order of
+// their hashes. So splats of a previous build stay valid when other materials are added or
+// removed, except for the few whose indices collide. @return false if there are too many
+static bool place_shadings(const reduction* r, bool with_growths, shading_place* places,
+                           stp_shading_set* set)
+{
+    size_t used = list_places(r, with_growths, places);
     qsort(places, used, sizeof(*places), compare_places);
     bool taken[STP_SHADING_LIMIT] = {false};
     size_t distinct = 0;
@@ -185,11 +226,14 @@ static bool place_shadings(const reduction* r, shading_place* places, stp_shadin
     set->count = 1;
     for (size_t i = 0; i < used; ++i) {
         uint32_t place = places[i].place;
-        set->shadings[place] = r->exact[places[i].material];
-        set->of_material[places[i].material] = (uint8_t)place;
+        set->shadings[place] = with_growth(r->exact[places[i].material], places[i].growth);
+        if (places[i].growth == STP_GROWTH_PLAIN) {
+            set->of_material[places[i].material] = (uint8_t)place;
+        }
         set->count = place + 1 > set->count ? place + 1 : set->count;
     }
     assert(set->count >= 1 && set->count <= STP_SHADING_LIMIT);
+    link_growths(places, used, set);
     return true;
 }
 
@@ -230,7 +274,7 @@ static void choose_shadings(reduction* r, stp_shading_set* set)
     }
 }
 
-stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
+stp_result stp_make_shadings(const stp_scene* scene, bool with_growths, stp_shading_set* set)
 {
     stp_context* context = scene->context;
     size_t count = scene->material_count + scene->variant_count;
@@ -239,11 +283,12 @@ stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
     r.means = STP_NEW_ARRAY(context, texture_mean, scene->texture_count);
     r.exact = STP_NEW_ARRAY(context, stp_shading, count);
     r.used = STP_NEW_ZEROED(context, bool, count);
+    r.of_points = STP_NEW_ZEROED(context, bool, count);
     r.distance = STP_NEW_ARRAY(context, float, count);
     set->of_material = STP_NEW_ZEROED(context, uint8_t, count);
-    shading_place* places = STP_NEW_ARRAY(context, shading_place, count);
+    shading_place* places = STP_NEW_ARRAY(context, shading_place, STP_GROWTHS * count);
     bool made = places != NULL && r.means != NULL && r.exact != NULL && r.used != NULL &&
-                r.distance != NULL && set->of_material != NULL;
+                r.of_points != NULL && r.distance != NULL && set->of_material != NULL;
     if (made) {
         stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
         for (size_t i = 0; i < scene->material_count; ++i) {
@@ -253,7 +298,9 @@ stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
             r.exact[scene->material_count + i] = make_variant(&r, i);
         }
         mark_used(&r);
-        if (!place_shadings(&r, places, set)) {
+        bool placed = place_shadings(&r, with_growths, places, set) ||
+                      (with_growths && place_shadings(&r, false, places, set));
+        if (!placed) {
             choose_shadings(&r, set);
         }
     } else {
@@ -262,6 +309,7 @@ stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
     }
     stp_free(context, places);
     stp_free(context, r.distance);
+    stp_free(context, r.of_points);
     stp_free(context, r.used);
     stp_free(context, r.exact);
     stp_free(context, r.means);

@@ -27,6 +27,11 @@ typedef struct stp_raster_splats {
     float pixels; ///< added to the radius on the screen, at any depth
     /// NULL, or 1 per splat (base/splats/splat_codes.h): ellipses with individual radii
     const uint32_t* shapes;
+    /// NULL, or 1 per splat, without shapes: their radii are multiplied by 1 + growths[material] *
+    /// growth_share (stp_growth_share)
+    const uint8_t* materials;
+    const float* growths; ///< 256
+    float growth_share;
     /// If not both 0: draw only splats whose centre is within these depths (W of the matrix).
     float nearest, farthest;
     /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never

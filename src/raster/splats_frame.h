@@ -106,6 +106,14 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id);
 
+/// Factor on the radius of a splat without a shape.
+static inline float splat_growth(const stp_raster_splats* splats, uint32_t index)
+{
+    return splats->materials != NULL
+               ? 1.0f + splats->growths[splats->materials[index]] * splats->growth_share
+               : 1.0f;
+}
+
 /// Whether a fragment of a splat with holes is kept. Hashes the splat (index and seed) and the
 /// fragment's place in it, so that holes move with the surface.
 static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t dx, int32_t dy)

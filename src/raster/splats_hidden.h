@@ -164,7 +164,8 @@ static inline void test_queued(const stp_splat_frame* f, waiting_splats* w, uint
         t.px[i] = (float)positions[at];
         t.py[i] = (float)positions[at + 1];
         t.pz[i] = (float)positions[at + 2];
-        t.own[i] = shapes != NULL ? stp_shape_radius(shapes[at / 3] & 0xFFFu) : 1.0f;
+        t.own[i] = shapes != NULL ? stp_shape_radius(shapes[at / 3] & 0xFFFu)
+                                  : splat_growth(f->splats, (uint32_t)(at / 3));
     }
     find_hidden(f, &t, &k);
     for (uint32_t i = 0; i < w->count; ++i) {

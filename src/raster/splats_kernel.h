@@ -112,8 +112,11 @@ static inline bool are_whole(const uint8_t* coverages)
 static inline void load_shapes(const stp_splat_frame* f, splat_lanes lanes, splat_batch* t)
 {
     const uint32_t* shapes = f->splats->shapes;
-    if (shapes == NULL) {
-        return; // keep the defaults of an empty batch
+    if (shapes == NULL) { // without growths, keep the defaults of an empty batch
+        for (uint32_t i = 0; i < lanes.count && f->splats->materials != NULL; ++i) {
+            t->own[i] = splat_growth(f->splats, lane_splat(lanes, i));
+        }
+        return;
     }
     t->stretched = 0;
     for (uint32_t i = 0; i < lanes.count; ++i) {

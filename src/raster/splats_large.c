@@ -98,6 +98,8 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_
     if (frame->splats->shapes != NULL) {
         disk.radius *= (double)stp_shape_radius(frame->splats->shapes[index] & 0xFFFu);
         stretch_large(frame, index, &disk);
+    } else {
+        disk.radius *= (double)splat_growth(frame->splats, index);
     }
     disk.radius = ldexp(disk.radius, -halvings);
     if (frame->splats->normals != NULL) {

@@ -40,6 +40,9 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         double radius = (double)splats->candidate_radius + (double)splats->step;
         if (node->triangle_count == 0 && splats->count > 0) { // points are never opened
             radius += (double)splats->table.radius[splats->table.size - 1];
+            radius +=
+                (double)splats->candidate_radius *
+                (double)stp_largest_growth(s->directory->shadings, s->directory->shading_count);
         }
         margin = stp_maxd(radius, margin);
     }

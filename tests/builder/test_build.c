@@ -544,7 +544,7 @@ void test_shadings_are_exact_up_to_256(test_state* test)
             CHECK_EQUAL(STP_OK, stp_scene_add_mesh(scene, &mesh, NULL));
         }
         stp_shading_set set;
-        CHECK_EQUAL(STP_OK, stp_make_shadings(scene, &set));
+        CHECK_EQUAL(STP_OK, stp_make_shadings(scene, false, &set));
         CHECK(set.count <= 256 && (int)set.count >= (count < 512 ? count / 2 : 256));
         for (int i = 0; i < count; ++i) {
             const stp_material* m = &scene->materials[i + 1];
@@ -579,7 +579,7 @@ static bool place_materials(stp_context* context, int count, int without, bool r
                stp_scene_add_mesh(scene, &(stp_mesh){.material = index}, NULL) == STP_OK;
         numbers[index - 1] = i;
     }
-    made = made && stp_make_shadings(scene, set) == STP_OK;
+    made = made && stp_make_shadings(scene, false, set) == STP_OK;
     for (size_t i = 1; made && i < scene->material_count; ++i) {
         places[numbers[i - 1]] = set->of_material[i];
     }

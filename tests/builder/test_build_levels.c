@@ -121,7 +121,7 @@ static stp_result begin_maker(level_maker* m, stp_context* context, level_scene*
     result = result == STP_OK && !make(m->scene) ? STP_ERROR_OUT_OF_MEMORY : result;
     result = result == STP_OK ? stp_scene_finish(m->scene) : result;
     result = result == STP_OK ? stp_scene_partition(m->scene, &(stp_partition_desc){0}) : result;
-    return result == STP_OK ? stp_make_shadings(m->scene, &m->shadings) : result;
+    return result == STP_OK ? stp_make_shadings(m->scene, false, &m->shadings) : result;
 }
 
 static stp_result make_with(level_maker* m, stp_work* work)

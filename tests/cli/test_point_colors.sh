@@ -128,6 +128,31 @@ printf 'v 0 0 0\nv 10 0 0\nv 10 10 -5\nv 0 10 -5\nf 1 2 3 4\n' > slope.obj
     fail "elevation of a mesh, all high"
 cmp -s slope.png high.png && fail "--range changes no elevation"
 
+# points without colours are drawn by elevation, if nothing else is asked for; what is stored stays
+python3 - << 'END'
+import struct
+rows = [struct.pack("<3f3B", i % 60, 0.2 * (i % 7), i // 60, i % 250, 90, 200 - i % 190) for i in range(3600)]
+place = "property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(rows)}\n{place}end_header\n"
+open("bright.ply", "wb").write(head.encode() + b"".join(rows))
+END
+build bright.ply bright.stip
+color_of() # FILE ARGUMENTS...: the colour that a picture has
+{
+    "$stipple" render "$@" -o auto.png --size 64x64 --json 2> err | python3 -c 'import json, sys; print(json.load(sys.stdin)["color"])'
+}
+[ "$(color_of plain.stip)" = elevation ] || fail "points without colours are not drawn by elevation"
+[ "$(color_of plain.stip --color rgb)" = rgb ] || fail "--color rgb is ignored"
+[ "$(color_of plain.stip --filter ewa)" = rgb ] || fail "elevations exclude a filter that was asked for"
+[ "$(color_of bright.stip)" = rgb ] || fail "points with colours are drawn by elevation"
+[ "$(color_of slope.obj)" = rgb ] || fail "a mesh is drawn by elevation"
+for file in plain bright; do
+    "$stipple" info $file.stip --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["default_color"])' > $file.color
+done
+[ "$(cat plain.color bright.color)" = "elevation
+rgb" ] || fail "info does not tell the default colour: $(cat plain.color bright.color)"
+"$stipple" info plain.stip | grep -q "drawn by elevation" || fail "info says nothing about colours"
+
 refused 1 "no intensity" render plain.stip -o out.png --color intensity
 refused 1 "no class" render plain.stip -o out.png --classes 2
 refused 1 "no source (they have intensity, class, return, time)" render hill.stip -o out.png --color source

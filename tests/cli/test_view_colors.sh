@@ -19,7 +19,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.obj
 for memory in "" "--memory 512M"; do
     # shellcheck disable=SC2086
     open_viewer scan.stip --backend "$drawn_by" $memory
-    wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "rgb" and picture["complete"]'
+    wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "elevation" and picture["complete"]'
     shot plain.png
     close_viewer
     # shellcheck disable=SC2086

@@ -448,6 +448,10 @@ void test_splats_variants_give_the_same_bits(test_state* test)
     if (processor == STP_PROCESSOR_BASELINE) {
         SKIP("this processor has no AVX2");
     }
+    float growths[256];
+    for (int i = 0; i < 256; ++i) {
+        growths[i] = (float)(i % 9) * 0.5f - 0.75f;
+    }
     for (int round = 0; round < 36; ++round) {
         double radius = 0.0004 * (double)(1u << (round % 9));
         make_scene(&s, 100 + (uint64_t)round, radius);
@@ -458,6 +462,9 @@ void test_splats_variants_give_the_same_bits(test_state* test)
         s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
         s.splats.normals = round % 7 == 6 ? NULL : s.normals;
         s.splats.shapes = round % 4 < 2 ? s.shapes : NULL;
+        s.splats.materials = round % 4 == 2 ? s.coverages : NULL; // any bytes
+        s.splats.growths = growths;
+        s.splats.growth_share = 0.5f;
         s.splats.pixels = round % 6 == 5 ? 0.4f * (float)round : 0.0f;
         s.splats.begin = (uint32_t)round % 17;
         s.splats.end = SPLATS - (uint32_t)round % 13;

@@ -78,6 +78,8 @@ void measure_copy(viewer* v, stp_vec3d point);
 
 // point_style.c
 void point_style_begin(viewer* v); ///< for a new file
+/// Chooses again a colour that follows from the file: for a newer scene of it.
+void point_style_follow(viewer* v);
 /// Adds colours of points and pixels to the request.
 void point_style_give(viewer* v, paint_request* request);
 /// The method to draw (STP_METHOD_*): the selected one, or another one if it lacks the attribute

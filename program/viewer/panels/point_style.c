@@ -16,7 +16,8 @@ enum { LEGEND_STEPS = 64 };
 static bool is_offered(const viewer* v, int color)
 {
     stp_attribute a = point_color_attribute(color);
-    return a == STP_ATTRIBUTES || stp_store_find_attribute(v->scene->store, a) != NULL;
+    return color != POINT_COLOR_AUTO &&
+           (a == STP_ATTRIBUTES || stp_store_find_attribute(v->scene->store, a) != NULL);
 }
 
 static bool has_scale(int color)
@@ -61,13 +62,23 @@ static void find_range(viewer* v, double range[2])
     }
 }
 
+void point_style_follow(viewer* v)
+{
+    int color = POINT_COLOR_AUTO;
+    if (v->look.automatic && v->explorer != NULL &&
+        point_colors_choose(v->explorer->store, 0, &color) == STP_OK) {
+        v->look.color = color;
+    }
+}
+
 void point_style_begin(viewer* v)
 {
-    v->look = (point_style){.color = v->scene != NULL && is_offered(v, v->options.colors.color)
-                                         ? v->options.colors.color
-                                         : POINT_COLOR_RGB};
     const point_color_options* o = &v->options.colors;
-    if (o->color != v->look.color) {
+    v->look = (point_style){.color = v->scene != NULL && is_offered(v, o->color) ? o->color
+                                                                                 : POINT_COLOR_RGB,
+                            .automatic = o->color == POINT_COLOR_AUTO};
+    point_style_follow(v);
+    if (o->color != v->look.color && !v->look.automatic) {
         viewer_show_message(v, false, "%s: its points have no %s", v->file,
                             stp_attribute_name(point_color_attribute(o->color)));
     } else if (o->range != NULL) {
@@ -149,8 +160,8 @@ static void show_other_method(const viewer* v)
 static void show_choice(viewer* v)
 {
     static const char* const titles[POINT_COLORS] = {
-        "Own",        "Intensity", "Elevation", "Class",         "Return", "Returns",
-        "Scan angle", "Source",    "Time",      "Near infrared", "Normal"};
+        "",        "Own",        "Intensity", "Elevation", "Class",         "Return",
+        "Returns", "Scan angle", "Source",    "Time",      "Near infrared", "Normal"};
     const char* words[POINT_COLORS];
     int colors[POINT_COLORS], count = 0, chosen = 0;
     for (int i = 0; i < POINT_COLORS; ++i) {
@@ -165,6 +176,7 @@ static void show_choice(viewer* v)
                    "Colours points by a scan attribute, or everything by elevation or "
                    "normal")) {
         v->look.color = colors[chosen];
+        v->look.automatic = false;
         v->look.has_range = false;
     }
 }

@@ -20,6 +20,7 @@
 /// Settings of one file; all zero: own colours, all classes.
 typedef struct point_style {
     int color;          ///< point_color
+    bool automatic;     ///< it follows from the file
     bool has_range;     ///< the user chose a range
     double low, high;   ///< ends of the colour scale, if `has_range`
     bool hides;         ///< some classes are not drawn

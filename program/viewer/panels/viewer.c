@@ -191,7 +191,9 @@ static void take_scene(viewer* v)
     bool same_file = v->shown_file_number == number && v->has_camera;
     v->scene = scene;
     explore(v, same_file);
-    if (!same_file) {
+    if (same_file) {
+        point_style_follow(v); // a draft may lack the splats that tell
+    } else {
         v->shown_file_number = number;
         if (v->more == 0) {
             start_opened(v->start, v->file);

@@ -161,7 +161,40 @@ typedef struct stp_shading {
     float metallic, roughness;
     float emissive[3]; ///< linear
     uint32_t flags;
+    /// By how much the candidate radius of a splat is larger than its set's, as a share of that:
+    /// above -1, at most STP_GROWTH_MAX; since format 1.4
+    float growth;
 } stp_shading;
+
+enum { STP_GROWTH_MAX = 63 };
+
+/// Whether any shading has a growth.
+static inline bool stp_any_growth(const stp_shading* shadings, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        if (shadings[i].growth > 0.0f || shadings[i].growth < 0.0f) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// The largest growth of any shading, at least 0.
+static inline float stp_largest_growth(const stp_shading* shadings, uint32_t count)
+{
+    float largest = 0.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        largest = shadings[i].growth > largest ? shadings[i].growth : largest;
+    }
+    return largest;
+}
+
+/// Share of a splat's drawn radius that its shading's growth applies to: radii are multiplied by
+/// 1 + growth * share. `radius` is that of a set's splats, `candidate_radius` included.
+static inline float stp_growth_share(float candidate_radius, float radius)
+{
+    return candidate_radius < radius ? candidate_radius / radius : 1.0f;
+}
 
 // Positions of the splats in a set.
 

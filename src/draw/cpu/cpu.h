@@ -59,6 +59,7 @@ typedef struct stp_cpu_splats {
 typedef struct stp_cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
+    float growth_share; ///< of splats, for stp_raster_splats
     uint32_t first_task;
     uint32_t seed; ///< for holes and hashed alpha: depends only on the item and its place
     uint32_t unit_count, task_units; ///< splats, triangles or clusters: in total, and per task
@@ -235,6 +236,7 @@ typedef struct stp_cpu_renderer {
     uint8_t front_only_shadings[256];        ///< one each
     float decode[256];                       ///< sRGB byte to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3];     ///< read in fours
+    float* growths;                          ///< of 256 shadings; NULL: all are 0
     stp_cpu_shade_material* shade_materials; ///< see stp_cpu_make_shade_materials
     stp_cpu_shade_item* shade_items;
     uint32_t* first_ids; ///< first ids of items, ascending

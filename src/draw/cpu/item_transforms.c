@@ -186,6 +186,7 @@ static stp_result find_splat_set(stp_cpu_renderer* r, const stp_draw_item* draw,
                                     .plain_coverages = got.plain_coverages,
                                     .unknown_signs = known->unknown_signs};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
+    item->growth_share = stp_growth_share(known->candidate_radius, draw->radius);
     choose_octave(item, &got, full < got.count ? full : got.count);
     return STP_OK;
 }

@@ -213,6 +213,7 @@ static void fix_size(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_ra
         splats->rim_depth = STP_POINT_RIM_DEPTH;
         splats->normals = NULL;
         splats->shapes = NULL;
+        splats->materials = NULL;
         splats->coverages = NULL;
     }
 }
@@ -241,6 +242,11 @@ static void draw_splats(stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t 
         splats.radius = splats.shapes != NULL
                             ? item->splats.step * stp_cpu_splat_scale(r) * shape_scale(item->draw)
                             : splats.radius;
+        if (splats.shapes == NULL && r->growths != NULL) {
+            splats.materials = item->splats.materials;
+            splats.growths = r->growths;
+            splats.growth_share = item->growth_share;
+        }
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         assert(splats.low_share <= 256);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;

@@ -133,6 +133,26 @@ static uint32_t add_flat_lanes(stp_cpu_shade_lanes* lanes, uint32_t at,
     return at;
 }
 
+/// Place in the colour scale of the height of a splat's centre, because its rim lies behind its
+/// plane; UINT32_MAX for other elements, whose pixels have their own heights.
+static uint32_t find_center_place(const stp_cpu_renderer* r, uint32_t id)
+{
+    const stp_cpu_item* item = &r->items[stp_cpu_find_item(r, id)];
+    if (item->kind != STP_DRAW_SPLATS || r->style->coloring != STP_DRAW_ELEVATION) {
+        return UINT32_MAX;
+    }
+    const stp_cpu_splats* splats = &item->splats;
+    const uint16_t* at = splats->positions + 3 * (size_t)(id - item->first_id);
+    double step = (double)splats->step;
+    stp_vec3d place = {(double)splats->origin.x + step * at[0],
+                       (double)splats->origin.y + step * at[1],
+                       (double)splats->origin.z + step * at[2]};
+    double low = r->style->elevation[0], range = r->style->elevation[1] - low;
+    double height = stp_affine_point(&item->draw->transform, place).y - low;
+    double part = range > 0.0 ? stp_clampd(height / range, 0.0, 1.0) : 0.0;
+    return (uint32_t)(part * 255.0 + 0.5);
+}
+
 /// Surfaces per pixel, with colours of heights or normals.
 static void recolor(const shader* s, const stp_cpu_shade_tile* tile, const stp_cpu_shade_run* run,
                     uint32_t row, stp_cpu_shade_surface* surfaces)
@@ -140,6 +160,7 @@ static void recolor(const shader* s, const stp_cpu_shade_tile* tile, const stp_c
     const stp_cpu_renderer* r = s->r;
     const stp_cpu_shade_nearness near = s->memory->nearness[run->surface];
     static const float dark[3] = {0};
+    uint32_t center = find_center_place(r, s->memory->slots[run->surface].id);
     for (uint32_t k = 0; k < run->length; ++k) {
         stp_cpu_shade_surface* surface = &surfaces[k];
         bool unlit = surface->material.unlit > 0.0f || r->style->coloring == STP_DRAW_NORMALS;
@@ -150,7 +171,10 @@ static void recolor(const shader* s, const stp_cpu_shade_tile* tile, const stp_c
             continue;
         }
         float nearness = tile->rows[row].nearness[run->x + k] * near.factor + near.shift;
-        const uint8_t* color = stp_color_map[stp_draw_height_place(&s->heights, x, y, nearness)];
+        const uint8_t* color =
+            stp_color_map[center != UINT32_MAX
+                              ? center
+                              : stp_draw_height_place(&s->heights, x, y, nearness)];
         for (int c = 0; c < 3; ++c) {
             surface->color[c] = r->decode[color[c]];
         }

@@ -30,6 +30,15 @@ stp_result stp_cpu_make_shade_materials(stp_cpu_renderer* r)
         return stp_fail_memory(r->base.context);
     }
     const float dark[3] = {0};
+    if (stp_any_growth(d->shadings, d->shading_count)) {
+        r->growths = STP_NEW_ZEROED(r->base.context, float, SHADINGS);
+        if (r->growths == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        for (uint32_t i = 0; i < d->shading_count; ++i) {
+            r->growths[i] = d->shadings[i].growth;
+        }
+    }
     for (uint32_t i = 0; i < SHADINGS; ++i) {
         r->shade_materials[i] = stp_cpu_make_shade_material(0.0f, 1.0f, dark, false);
         if (i < d->shading_count) {
@@ -173,6 +182,7 @@ void stp_cpu_destroy_shading(stp_cpu_renderer* r)
         stp_cpu_destroy_shade_memory(context, r->workers[i].shading);
         stp_free(context, r->workers[i].buffers);
     }
+    stp_free(context, r->growths);
     stp_free(context, r->shade_materials);
     stp_free(context, r->shade_items);
     stp_free(context, r->first_ids);

@@ -206,6 +206,7 @@ struct stp_gl_renderer {
     stp_gl_timer timer;
     stp_gl_target target;
     stp_gl_frame frame;
+    float largest_growth;              ///< of the shadings; 0: none
     GLuint light_materials, materials; ///< constant storage buffers
     stp_gl_readback* readback;
     stp_gl_clock clock;

@@ -194,6 +194,11 @@ static void place_splats(const stp_gl_renderer* r, const stp_gl_placed* placed,
         memcpy(item->turn[k], frame.turn[k], sizeof(frame.turn[k]));
     }
     item->radius_px = frame.radius_px;
+    if ((item->flags & ITEM_GROWTHS) != 0) {
+        const stp_splats* known = stp_store_describe_splat_set(r->store, placed->draw->index);
+        item->growth_share =
+            stp_growth_share(known->candidate_radius * placed->scale, placed->radius);
+    }
     item->pixels = frame.pixels;
     item->center_x = frame.center_x;
     item->center_y = frame.center_y;

@@ -42,6 +42,7 @@ typedef struct stp_gl_splat_chunk {
     uint32_t begin, end;            ///< index in the item
     uint32_t places, place_words;   ///< address of the first, and words per splat
     uint32_t options, option_words; ///< the same for shapes and ranges
+    bool of_materials;              ///< `options` is the address of materials, a byte each
     float reach;                    ///< maximum radius, relative to the item's
 } stp_gl_splat_chunk;
 

@@ -59,6 +59,7 @@ stp_result stp_gl_materials_create(stp_gl_renderer* r)
         return stp_fail_memory(context);
     }
     const float dark[3] = {0};
+    r->largest_growth = stp_largest_growth(d->shadings, d->shading_count);
     for (uint32_t i = 0; i < SHADINGS; ++i) {
         const stp_shading* s = i < d->shading_count ? &d->shadings[i] : NULL;
         lights[i] = s != NULL ? make_light(s->metallic, s->roughness, s->emissive, s->flags)

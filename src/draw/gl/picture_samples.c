@@ -137,6 +137,9 @@ static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sampl
         view.glass_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->layer_pass.of_shading[i] << i % 32;
         view.front_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->front_only_shadings[i] << i % 32;
     }
+    for (uint32_t i = 0; i < r->directory->shading_count; ++i) {
+        view.growths[i / 4][i % 4] = r->directory->shadings[i].growth;
+    }
     return view;
 }
 

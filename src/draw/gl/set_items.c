@@ -52,6 +52,12 @@ static void hold_octave(const stp_gl_renderer* r, uint32_t set, uint32_t octave,
     }
 }
 
+/// Whether splats of a set have radii by their shadings.
+static bool has_growths(const stp_gl_renderer* r, const stp_splats* known)
+{
+    return r->largest_growth > 0.0f && known->columns == 0;
+}
+
 /// The splats of an octave, up to the end of the item's prefix.
 static stp_gl_splat_chunk find_chunk(const stp_gl_renderer* r, uint32_t set, uint32_t octave,
                                      const chunk_block* chunk, uint32_t prefix)
@@ -61,14 +67,18 @@ static stp_gl_splat_chunk find_chunk(const stp_gl_renderer* r, uint32_t set, uin
     const stp_gl_octave_box* box =
         &r->entries.boxes[stp_gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
-    bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
+    bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0, grows = has_growths(r, known);
     return (stp_gl_splat_chunk){.begin = chunk->begin,
                                 .end = prefix < chunk->end ? prefix : chunk->end,
                                 .places = chunk->address,
                                 .place_words = 2,
-                                .options = chunk->address + 2 * count + (count + 3) / 4,
+                                .options =
+                                    chunk->address + 2 * count + (grows ? 0 : (count + 3) / 4),
                                 .option_words = stp_gl_option_words(known),
-                                .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
+                                .of_materials = grows,
+                                .reach = shapes  ? stp_shape_radius(box->largest)
+                                         : grows ? 1.0f + r->largest_growth
+                                                 : 1.0f};
 }
 
 /// Uploads the meshes whose large triangles follow a set, if they replace any splat of these
@@ -240,6 +250,9 @@ stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index)
         item->flags |= ITEM_SHAPES;
         float larger = draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
         placed->radius = known->step * placed->scale * larger;
+    }
+    if (has_growths(r, known) && (item->flags & ITEM_FIXED) == 0) {
+        item->flags |= ITEM_GROWTHS;
     }
     if ((known->columns & STP_SPLATS_RANGES) != 0) {
         item->flags |= ITEM_RANGES;

@@ -97,6 +97,10 @@ static bool add_command(stp_gl_renderer* r, uint32_t index, const stp_gl_splat_c
     record->first = range.begin;
     record->address = chunk->places + chunk->place_words * before;
     record->options = chunk->options + chunk->option_words * before;
+    if (chunk->of_materials) {
+        record->options += before / 4;
+        record->share = (float)(before % 4);
+    }
     record->reach = chunk->reach;
     if (run != NULL && (run->nearest != 0.0f || run->farthest != 0.0f)) {
         record->nearest = run->nearest;

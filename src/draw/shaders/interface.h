@@ -94,6 +94,7 @@
 #define ITEM_LARGE 128u            // omits triangles with too low a level
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
 #define ITEM_UNSIGNED 512u         // the signs of its normals are unknown
+#define ITEM_GROWTHS 1024u         // splats have radii by their shadings
 #define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
@@ -190,6 +191,8 @@ struct item_block {
     uint divide;
     float pixels; // added to the radius on the screen
     float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it
+    float growth_share; // splats: radii are multiplied by 1 + growth of the shading * this
+    float item_spare[3];
 };
 
 // One command of a multi-draw, or a part of it: splats, or a cluster.
@@ -197,10 +200,10 @@ struct record_block {
     uint item;
     uint first;   // splats: index of the first in the item; clusters: number of one-sided triangles
     uint address; // address of the first splat, or of the cluster
-    float share;  // drawn share of a cluster's triangles
+    float share;  // drawn share of a cluster's triangles; ITEM_GROWTHS: byte of the first material
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
-    uint options;            // splats: address of the first splat's shape and range
+    uint options;            // splats: address of the first splat's shape and range, or material
 };
 
 // A chunk: consecutive splats of an item, from the previous chunk's end to `end`.
@@ -257,6 +260,7 @@ struct view_block {
     uint front_only;      // a FRONT_ONLY
     uint nearest_only;    // whether the nearest layer stands for all
     vec4 height_place, height_along; // src/draw/shading_setup.h
+    vec4 growths[SHADINGS / 4];      // of the shadings, if items have ITEM_GROWTHS
 };
 
 // Post-shading effects (draw/effect_shape.h).
@@ -295,9 +299,9 @@ typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MAX][2];
 } large_block;
-_Static_assert(sizeof(item_block) == 384, "layout of items");
+_Static_assert(sizeof(item_block) == 400, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 640, "layout of the view");
+_Static_assert(sizeof(view_block) == 1664, "layout of the view");
 #endif

@@ -32,7 +32,9 @@ void main()
     item_block item = items[find_item(id)];
     float depth = item.near_factor * nearness + item.near_shift;
     surface s = find_surface(item, id, pixel, depth);
-    recolor(s, vec2(pixel) + 0.5, depth);
+    vec2 at = vec2(pixel) + 0.5;
+    move_to_center(item, id, at, depth);
+    recolor(s, at, depth);
     vec3 color = light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
     vec4 so_far = imageLoad(light, pixel);
     float opacity = clamp(s.opacity, 0.0, 1.0);

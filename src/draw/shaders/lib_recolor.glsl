@@ -11,6 +11,21 @@ uint height_place(vec2 at, float nearness)
     return uint(clamp(part, 0.0, 1.0) * 255.0 + 0.5);
 }
 
+// Moves a pixel and its depth to the centre of its splat, whose rim lies behind its plane.
+void move_to_center(const item_block item, uint id, inout vec2 at, inout float depth)
+{
+    if (view.recolors != RECOLORS_HEIGHT || item.kind != KIND_SPLATS) {
+        return;
+    }
+    uint index = id - item.first_id;
+    chunk_block chunk = find_chunk(item, index);
+    uint place = chunk.address + 2u * (index - chunk.begin), low = fetch(place), high = fetch(place + 1u);
+    vec4 p = vec4(float(low & 0xFFFFu), float(low >> 16), float(high & 0xFFFFu), 1.0);
+    float w = dot(item.rows[3], p);
+    at = vec2(dot(item.rows[0], p), dot(item.rows[1], p)) / w;
+    depth = item.near_factor * (dot(item.rows[2], p) / w) + item.near_shift;
+}
+
 void recolor(inout surface s, vec2 at, float nearness)
 {
     if (view.recolors == RECOLORS_HEIGHT) {

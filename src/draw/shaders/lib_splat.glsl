@@ -108,6 +108,12 @@ void find_options(const record_block record, const item_block item, uint local, 
     splat.there = true;
     splat.own = 1.0;
     splat.shape = 0u;
+    if ((item.flags & ITEM_GROWTHS) != 0u) {
+        uint byte = uint(record.share) + local, word = fetch(record.options + byte / 4u);
+        uint shading = word >> (8u * (byte & 3u)) & 255u;
+        precise float larger = 1.0 + view.growths[shading >> 2][shading & 3u] * item.growth_share;
+        splat.own = larger;
+    }
     if (shapes) {
         splat.shape = fetch(at);
         splat.own = shape_radius(splat.shape);

@@ -27,7 +27,10 @@ vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
         return blended.rgb / blended.a;
     }
     surface s = find_surface(item, id, pixel, depth);
-    recolor(s, vec2(pixel) + 0.5, depth);
+    vec2 at = vec2(pixel) + 0.5;
+    float place_depth = depth;
+    move_to_center(item, id, at, place_depth);
+    recolor(s, at, place_depth);
     return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
 }
 

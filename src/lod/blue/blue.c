@@ -265,6 +265,9 @@ static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_splats
     b->finish.order = b->order;
     b->finish.radii = b->radii;
     b->finish.shading_of_material = shading_of_material;
+    b->finish.growths = b->desc->growths;
+    b->finish.spacing = b->from_points ? (float)b->candidates.pixel_size : 0.0f;
+    b->finish.exact = b->order_desc.kind == STP_ORDER_EXACT;
     b->finish.two_sided = b->two_sided;
     b->finish.by_side = b->order_desc.metric == STP_METRIC_SIDE;
     return b->finish.count != 0 ? stp_finish_surfels(b->scene->context, &b->finish, surfels)

@@ -6,6 +6,7 @@
 
 #include "base/splats/splat_columns.h"
 #include "capture/capture.h"
+#include "lod/blue/growths.h"
 #include "lod/set_columns.h"
 
 #include <stipple/order.h>
@@ -21,6 +22,7 @@ typedef struct stp_blue_desc {
     /// docs/algorithms/capture.md, Capture of upper nodes), and the visible splats themselves
     /// become candidates. NULL: always triangles.
     const stp_splats* const* sets;
+    const stp_growth_table* growths; ///< shadings of points with each growth; NULL: none
 } stp_blue_desc;
 
 /// How many splats the set of a node gets. Brandt 5.2 takes one for 2 triangles, at most 200,000;

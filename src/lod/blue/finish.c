@@ -19,7 +19,8 @@ typedef struct finish {
     stp_splats* surfels;
     float* positions; ///< 3 per surfel, relative to the candidates' origin
     float* normals;
-    float* envelope; ///< coverage radius of the first i surfels
+    float* envelope;  ///< coverage radius of the first i surfels
+    uint8_t* growths; ///< growth of each surfel; NULL: plain
 } finish;
 
 static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user)
@@ -48,11 +49,16 @@ static uint16_t quantise(double position, double origin, double per_step)
     return (uint16_t)(value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value);
 }
 
-static uint8_t shading_of(const stp_finish_input* input, uint32_t candidate)
+static uint8_t shading_of(const finish* f, size_t surfel)
 {
-    uint32_t material = input->candidates->materials[candidate];
-    return candidate < stp_first_of_sets(input->candidates) ? input->shading_of_material[material]
-                                                            : (uint8_t)material;
+    const stp_finish_input* input = f->input;
+    uint32_t candidate = input->order[surfel], material = input->candidates->materials[candidate];
+    bool of_set = candidate >= stp_first_of_sets(input->candidates);
+    uint8_t shading = of_set ? (uint8_t)material : input->shading_of_material[material];
+    if (of_set && input->growths != NULL) {
+        shading = input->growths->plain[shading];
+    }
+    return f->growths != NULL ? input->growths->of[shading][f->growths[surfel]] : shading;
 }
 
 static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
@@ -71,7 +77,7 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
         s->positions[3 * i] = quantise(centre.x + (double)p[0], (double)s->origin.x, per_step);
         s->positions[3 * i + 1] = quantise(centre.y + (double)p[1], (double)s->origin.y, per_step);
         s->positions[3 * i + 2] = quantise(centre.z + (double)p[2], (double)s->origin.z, per_step);
-        s->materials[i] = shading_of(f->input, f->input->order[i]);
+        s->materials[i] = shading_of(f, i);
     }
 }
 
@@ -181,6 +187,34 @@ static double area_limit(const finish* f)
     return known ? OVERLAP_MAX * (double)c->count * c->pixel_size * c->pixel_size : HUGE_VAL;
 }
 
+// Points keep the distance to which the surface around each of them reaches. Where all points are
+// surfels, it may be less than the set's candidate radius; where surfels stand for other points, it
+// only adds to that.
+static stp_result find_growths(stp_context* context, finish* f)
+{
+    const stp_finish_input* input = f->input;
+    if (input->growths == NULL || !(input->spacing > 0.0f) || f->surfels->count < 2) {
+        return STP_OK;
+    }
+    f->growths = STP_NEW_ARRAY(context, uint8_t, input->count);
+    if (f->growths == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_growth_desc desc = {.positions = f->positions,
+                            .normals = f->normals,
+                            .count = input->count,
+                            .sparse_count = input->count,
+                            .spacing = stp_max(input->spacing, input->final_radius),
+                            .covered = input->final_radius,
+                            .radius = f->surfels->candidate_radius,
+                            .smaller = !(input->final_radius > 0.0f)};
+    while (input->exact && desc.sparse_count > 1 &&
+           input->radii[desc.sparse_count - 1] < desc.spacing) {
+        desc.sparse_count -= 1;
+    }
+    return stp_growths_find(context, &desc, f->growths);
+}
+
 static stp_result finish_surfels(stp_context* context, finish* f)
 {
     stp_splats* s = f->surfels;
@@ -202,6 +236,7 @@ static stp_result finish_surfels(stp_context* context, finish* f)
                                          s->octave_ends);
     stp_result result = allocate_columns(context, s);
     result = result == STP_OK ? take_attributes(context, f->input, s) : result;
+    result = result == STP_OK ? find_growths(context, f) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -223,6 +258,7 @@ stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* inpu
     *surfels = (stp_splats){0};
     finish f = {.input = input, .surfels = surfels};
     stp_result result = finish_surfels(context, &f);
+    stp_free(context, f.growths);
     stp_free(context, f.envelope);
     stp_free(context, f.normals);
     stp_free(context, f.positions);

@@ -6,6 +6,7 @@
 
 #include "base/splats/splat_columns.h"
 #include "capture/capture.h"
+#include "lod/blue/growths.h"
 
 typedef struct stp_finish_input {
     const stp_candidates* candidates;
@@ -14,6 +15,9 @@ typedef struct stp_finish_input {
     uint32_t count;
     float final_radius; ///< distance of the farthest candidate to the order
     const uint8_t* shading_of_material;
+    const stp_growth_table* growths; ///< NULL: all splats of a set are alike
+    float spacing;                   ///< of points; 0: not points, or they have none
+    bool exact;                      ///< insertion radii never increase
     bool two_sided; ///< ignores the sign of normals, which is estimated in point clouds
     bool by_side;   ///< the order is side-aware: surfels that face apart are no neighbours
 } stp_finish_input;

@@ -394,6 +394,11 @@ static void code_certainty(stp_store_codec* codec, void* element)
     code_f32(codec, &record->position_error);
 }
 
+static void code_growth(stp_store_codec* codec, void* element)
+{
+    code_f32(codec, element);
+}
+
 static void code_level(stp_store_codec* codec, void* element)
 {
     stp_store_level* level = element;
@@ -533,6 +538,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
         [STP_SECTION_CERTAINTY] = {"set's certainty", 8, sizeof(stp_store_certainty),
                                    code_certainty},
+        [STP_SECTION_GROWTHS] = {"growth", 4, sizeof(float), code_growth},
         [STP_SECTION_LEVELS] = {"level", 8, sizeof(stp_store_level), code_level},
         [STP_SECTION_LEVEL_CLUSTERS] = {"level cluster", 12, sizeof(stp_store_level_cluster),
                                         code_level_cluster},

@@ -156,6 +156,7 @@ typedef union stp_store_element {
     stp_store_attribute_block attribute_block;
     stp_store_coordinates coordinates;
     stp_store_certainty certainty;
+    float growth;
     stp_store_level level;
     stp_store_level_cluster level_cluster;
     stp_store_level_group level_group;

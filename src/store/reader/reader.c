@@ -80,6 +80,28 @@ static stp_result check_records(const stp_store* store)
     return result;
 }
 
+// Growths are a section of their own, which early readers skip.
+static stp_result link_growths(stp_store* store)
+{
+    const float* growths = store->tables[STP_SECTION_GROWTHS];
+    stp_shading* shadings = store->tables[STP_SECTION_SHADINGS];
+    uint32_t count = store->counts[STP_SECTION_GROWTHS];
+    if (store->known[STP_SECTION_GROWTHS] != NULL && count != store->counts[STP_SECTION_SHADINGS]) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: lists the growths of %u shadings but has %u", store->path, count,
+                        store->counts[STP_SECTION_SHADINGS]);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!(growths[i] > -1.0f && growths[i] <= (float)STP_GROWTH_MAX)) {
+            return stp_fail(store->context, STP_ERROR_FORMAT,
+                            "%s: shading %u: its growth is not above -1 and at most %d",
+                            store->path, i, STP_GROWTH_MAX);
+        }
+        shadings[i].growth = growths[i];
+    }
+    return STP_OK;
+}
+
 static stp_result read_directory(stp_store* store)
 {
     stp_store_text text;
@@ -94,7 +116,8 @@ static stp_result read_directory(stp_store* store)
     static const uint32_t others[] = {STP_SECTION_CLUSTERS,       STP_SECTION_ATTRIBUTE_BLOCKS,
                                       STP_SECTION_CERTAINTY,      STP_SECTION_LEVELS,
                                       STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS,
-                                      STP_SECTION_LEVEL_FIGURES,  STP_SECTION_SIDES};
+                                      STP_SECTION_LEVEL_FIGURES,  STP_SECTION_SIDES,
+                                      STP_SECTION_GROWTHS};
     for (size_t i = 0; i < sizeof(others) / sizeof(others[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
@@ -106,6 +129,9 @@ static stp_result read_directory(stp_store* store)
     }
     if (result == STP_OK) {
         result = read_build(store);
+    }
+    if (result == STP_OK) {
+        result = link_growths(store);
     }
     if (result != STP_OK) {
         return result;

@@ -66,8 +66,10 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
     assert(codec.offset == size && data_offset % STP_STORE_ALIGNMENT == 0);
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
-    stp_write_u16(bytes + 10,
-                  directory->level_count != 0 ? STP_STORE_MINOR_LEVELS : STP_STORE_MINOR);
+    bool growths = stp_any_growth(directory->shadings, directory->shading_count);
+    stp_write_u16(bytes + 10, growths                       ? STP_STORE_MINOR_GROWTHS
+                              : directory->level_count != 0 ? STP_STORE_MINOR_LEVELS
+                                                            : STP_STORE_MINOR);
     stp_write_u32(bytes + 12, STP_STORE_HEADER_BYTES);
     stp_write_u64(bytes + 16, stp_file_writer_size(w->file));
     stp_write_u64(bytes + 24, data_offset);

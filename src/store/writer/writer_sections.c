@@ -25,6 +25,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_PARTS,
     STP_SECTION_MATERIALS,
     STP_SECTION_SHADINGS,
+    STP_SECTION_GROWTHS,
     STP_SECTION_TEXTURES,
     STP_SECTION_MESHES,
     STP_SECTION_POINT_SETS,
@@ -187,6 +188,9 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
     case STP_SECTION_LEAVES:
         element.leaves.leaf_count = content->sets[index].leaf_count;
         element.leaves.block = w->plan.leaf_blocks[index];
+        break;
+    case STP_SECTION_GROWTHS:
+        element.growth = content->directory.shadings[index].growth;
         break;
     case STP_SECTION_CERTAINTY:
         element.certainty = (stp_store_certainty){
@@ -400,6 +404,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_records(w, type, d->mesh_count);
     case STP_SECTION_POINT_SETS:
         return write_records(w, type, d->point_set_count);
+    case STP_SECTION_GROWTHS:
+        return write_records(w, type, d->shading_count);
     case STP_SECTION_LEAVES:
     case STP_SECTION_CERTAINTY:
         return write_records(w, type, d->set_count);
@@ -469,6 +475,8 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
             any = any || w->content->sets[i].leaf_count > 0;
         }
         return any;
+    case STP_SECTION_GROWTHS:
+        return stp_any_growth(d->shadings, d->shading_count);
     case STP_SECTION_CERTAINTY:
         for (uint32_t i = 0; i < d->set_count; ++i) {
             const stp_splats* set = &w->content->sets[i];
