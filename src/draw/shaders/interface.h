@@ -92,12 +92,15 @@
 #define ITEM_BESIDE 64u            // omits splats that large triangles replace
 #define ITEM_LARGE 128u            // omits triangles with too low a level
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
+#define ITEM_ERRORS 512u           // the view direction lowers the levels of ranges
 #define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
 
-// Radii in codes of shapes (base/splats/splat_codes.h).
+// Radii in codes of shapes, and shares in codes of errors (base/splats/splat_codes.h).
 #define SHAPE_BIAS 0x3E800000u
+#define ERROR_SHARE_FIRST 5u
+#define ERROR_STEPS 20.0
 
 // Alpha of materials (stp_store_alpha).
 #define ALPHA_OPAQUE 0u
@@ -180,7 +183,8 @@ struct item_block {
     float level_below;      // level of splats before `divide`, at any depth
     uint divide;
     float pixels; // added to the radius on the screen
-    float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it
+    float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it;
+                  // splats with errors: in grid coordinates; in parallel, the view direction
 };
 
 // One command of a multi-draw, or a part of it: splats, or a cluster.
@@ -191,7 +195,7 @@ struct record_block {
     float share;  // drawn share of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
-    uint options;            // splats: address of the first splat's shape and range
+    uint options;            // splats: address of the first splat's shape, range and errors
 };
 
 // A chunk: consecutive splats of an item, from the previous chunk's end to `end`.
