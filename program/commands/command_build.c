@@ -173,7 +173,7 @@ static const option table[] = {
      .argument = "NAME",
      .words = "unified|split|qsplat",
      .help = "error of an spt node: unified (its geometric error), split (its two parts, which "
-             "depend on the direction of view: fewer splats, larger files) or qsplat (its "
+             "depend on the direction of view: fewer splats, but slower) or qsplat (its "
              "diameter, as in QSplat); default unified",
      .value = &args.error,
      .given = &args.error_given,
