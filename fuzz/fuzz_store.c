@@ -160,7 +160,8 @@ static uint64_t use_splat_sets(stp_store* store)
             entries = flat ? s.octave_ends[k] : entries + s.octave_ends[k];
         }
         total += sum(s.positions, 6 * n) + sum(s.normals, 2 * n) + sum(s.colors, 3 * entries) +
-                 sum(s.coverages, entries) + sum(s.shapes, 4 * n) + sum(s.ranges, 4 * n);
+                 sum(s.coverages, entries) + sum(s.shapes, 4 * n) + sum(s.ranges, 4 * n) +
+                 sum(s.errors, 4 * n);
         for (size_t k = 0; k < n; ++k) {
             total += s.materials[k] < d->shading_count ? 1 : (abort(), 0);
         }

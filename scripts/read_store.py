@@ -266,7 +266,7 @@ def gather_methods(t):
     nodes, end = [record["node"] for record in t.pop("method_nodes")], 0
     need(len(methods) <= 16 and len({method["id"] for method in methods}) == len(methods), "methods")
     for i, method in enumerate(methods):
-        need(method["name"] and method["id"] > 0 and method["columns"] <= 15, f"method {i}")
+        need(method["name"] and method["id"] > 0 and method["columns"] <= 31 and method["columns"] & 18 != 16, f"method {i}")
         need(method["first_set"] == end, f"method {i}: its sets do not follow those of the method before")
         end += method["set_count"]
         need(end <= len(t["surfels"]), f"method {i}: sets")
@@ -330,7 +330,8 @@ def block_columns(t, block):
     has = record["method_columns"]
     entries = n if has & 4 else end
     return record, [("positions", 6 * n), ("normals", 2 * n), ("materials", n), ("colors", 3 * entries),
-                    ("coverages", entries), ("shapes", 4 * n * (has & 1)), ("ranges", 4 * n * (has >> 1 & 1))], 1
+                    ("coverages", entries), ("shapes", 4 * n * (has & 1)), ("ranges", 4 * n * (has >> 1 & 1)),
+                    ("errors", 4 * n * (has >> 4 & 1))], 1
 
 
 def picture_size(encoding, data):
@@ -506,22 +507,22 @@ def unpack_octave(record, block, stored, place):
     end = record["octave_ends"][block["octave"]]
     first = ([0] + record["octave_ends"])[block["octave"]]
     has = record["method_columns"]
-    shape, level = 4 * (has & 1), 4 * (has >> 1 & 1)
+    shape, level, errors = 4 * (has & 1), 4 * (has >> 1 & 1), 4 * (has >> 4 & 1)
     start = first if has & 4 else 0
-    ends = list(chunk_ends(start, first, end, 9 + shape + level))
+    ends = list(chunk_ends(start, first, end, 9 + shape + level + errors))
     table = [(len(stored), block["crc"])]
     at = 0
     if len(ends) > 1:
         at = 8 * len(ends)
         need(at <= len(stored) and zlib.crc32(stored[:at]) == block["crc"], f"{place}: chunk table")
         table = list(struct.iter_unpack("<2I", stored[:at]))
-    columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges")}
+    columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges", "errors")}
     operators = record.setdefault("operators", Operators(record["step"])) if has == 7 else None
     need(block["encoding"] == 1 or operators, f"{place}: encoding")
     for begin, stop, (size, crc) in zip([start] + ends, ends, table):
         chunk, at = stored[at:at + size], at + size
         places, colors = max(0, stop - max(begin, first)), stop - begin
-        length = (9 + shape + level) * places + 4 * colors
+        length = (9 + shape + level + errors) * places + 4 * colors
         need(len(chunk) == size and zlib.crc32(chunk) == crc, f"{place}: chunk")
         if block["encoding"] == 1 or size == length:
             chunk = unpack(chunk, length, f"{place}: chunk")
@@ -535,7 +536,8 @@ def unpack_octave(record, block, stored, place):
                 raise ValueError(f"{place}: operators: {fault}") from fault
         part = 0
         for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
-                           ("coverages", colors), ("shapes", shape * places), ("ranges", level * places)):
+                           ("coverages", colors), ("shapes", shape * places), ("ranges", level * places),
+                           ("errors", errors * places)):
             columns[name] += chunk[part:part + step]
             part += step
     need(at == len(stored), f"{place}: bytes after the last chunk")

@@ -114,7 +114,8 @@ static stp_result make_trees(spt_bench* b, json_t* results)
     double tree_ms = stp_clock_ms() - start;
     start = stp_clock_ms();
     if (result == STP_OK) {
-        result = stp_point_sequence_make(b->context, &b->by_error, MAX_ALLOWED, &b->sequence);
+        result =
+            stp_point_sequence_make(b->context, &b->by_error, MAX_ALLOWED, false, &b->sequence);
     }
     double sequence_ms = stp_clock_ms() - start;
     result = result == STP_OK ? measure_set(b, &by_error, &set_ms) : result;
@@ -189,7 +190,13 @@ static void write_times(json_t* figures, const spt_times* t, double each, bool u
     bench_set_number(figures, "traversal_pixels", (double)t->traversal_pixels * each);
     bench_set_number(figures, "sequence_pixels", (double)t->sequence_pixels * each);
     bench_set_number(figures, "groups_pixels", (double)t->group_pixels * each);
-    if (uses_gl) {
+    if (!uses_gl) {
+        bench_set_number(figures, "examined_by_directed", (double)t->directed_examined * each);
+        bench_set_number(figures, "drawn_by_directed", (double)t->directed_splats * each);
+        bench_set_number(figures, "directed_draw_ms", t->directed_ms * each);
+        bench_set_number(figures, "directed_test_ms", t->directed_test_ms * each);
+        bench_set_number(figures, "directed_pixels", (double)t->directed_pixels * each);
+    } else {
         bench_set_number(figures, "submitted_by_sequence", (double)t->sequence_submitted * each);
         bench_set_number(figures, "submitted_by_groups", (double)t->group_submitted * each);
         bench_set_number(figures, "sequence_commands", (double)t->sequence_commands * each);

@@ -19,7 +19,7 @@ enum { SHIFT = 3, COLUMNS = SIDE >> SHIFT, BLOCKS = COLUMNS * COLUMNS };
 typedef struct raster_input {
     uint16_t positions[3 * SPLATS];
     int8_t normals[2 * SPLATS];
-    uint32_t ranges[SPLATS];
+    uint32_t ranges[SPLATS], errors[SPLATS];
     float windows[BLOCKS];
     stp_raster_splats splats;
     stp_raster_occluder occluder;
@@ -138,6 +138,9 @@ bool kernel_make_levels(kernel_case* c)
     for (uint32_t i = 0; in != NULL && i < SPLATS; ++i) {
         float lowest = kernel_random(3, 2 * i, 0.0f, 0.04f);
         in->ranges[i] = stp_range_code(lowest, lowest + kernel_random(3, 2 * i + 1, 0.0f, 0.02f));
+        in->errors[i] = (uint32_t)kernel_random(4, i, 0.0f, 65536.0f) |
+                        (uint32_t)(uint8_t)in->normals[2 * i] << 16 |
+                        (uint32_t)(uint8_t)in->normals[2 * i + 1] << 24;
     }
     return in != NULL && kernel_set_output(c, SPLATS / 8, SPLATS);
 }
@@ -146,6 +149,13 @@ void kernel_run_levels(kernel_case* c)
 {
     const raster_input* in = c->input;
     const stp_raster_levels levels = {.per_depth = 0.01f};
+    stp_raster_pick_levels(&camera, &in->splats, in->ranges, &levels, c->output);
+}
+
+void kernel_run_split_levels(kernel_case* c)
+{
+    const raster_input* in = c->input;
+    const stp_raster_levels levels = {.per_depth = 0.01f, .errors = in->errors};
     stp_raster_pick_levels(&camera, &in->splats, in->ranges, &levels, c->output);
 }
 

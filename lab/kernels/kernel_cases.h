@@ -84,6 +84,7 @@ bool kernel_make_hidden(kernel_case* c);
 void kernel_run_hidden(kernel_case* c);
 bool kernel_make_levels(kernel_case* c);
 void kernel_run_levels(kernel_case* c);
+void kernel_run_split_levels(kernel_case* c);
 bool kernel_make_blend(kernel_case* c);
 void kernel_reset_blend(kernel_case* c);
 void kernel_run_blend(kernel_case* c);

@@ -28,6 +28,7 @@ const kernel kernels[] = {
     {"splats-hidden", "src/raster/splats", AVX512, "splat", kernel_make_hidden, NULL, kernel_run_hidden, NULL},
     {"splats-squares", "src/raster/splats_squares", AVX512, "splat", kernel_make_square_splats, NULL, kernel_run_splats, NULL},
     {"splats-levels", "src/raster/splats_levels", AVX512, "splat", kernel_make_levels, NULL, kernel_run_levels, NULL},
+    {"splats-split-levels", "src/raster/splats_levels", AVX512, "splat", kernel_make_levels, NULL, kernel_run_split_levels, NULL},
     {"splats-blend", "src/raster/splats_blend", AVX512, "splat", kernel_make_blend, kernel_reset_blend, kernel_run_blend, NULL},
     {"shade-merge", "src/draw/cpu/shade", AVX512, "pixel", kernel_make_merge, kernel_reset_merge, kernel_run_merge, NULL},
     {"shade-light", "src/draw/cpu/shade", AVX512, "lane", kernel_make_light, kernel_reset_light, kernel_run_light, NULL},

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Point trees and their sequences on several models: points by distance and error, rejections per
 test, and drawing time by recursion, as a sequence, and with culled groups, on the CPU or with
-OpenGL.
+OpenGL. On the CPU also the sequence with split errors.
 
     lab/papers/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
 
@@ -26,7 +26,7 @@ def main():
     parser.add_argument("--backend", choices=["cpu", "gl"], default="cpu", help="backend that draws")
     parser.add_argument("--out", metavar="FILE.json", help="output file of the figures; default bench/results/MACHINE/DATE-spt.json")
     options = parser.parse_args()
-    kept, rows, drawn = [], [], []
+    kept, rows, drawn, directed = [], [], [], []
     for model in options.models:
         name = pathlib.Path(model).stem
         results = kit.bench("spt", "--model", model, "--count", options.count, "--backend", options.backend)["results"]
@@ -42,10 +42,17 @@ def main():
                 drawn.append([name, f"{result['params']['sizes_away']:g}", *(f"{f[way + '_draw_ms']:.2f} ms" for way in WAYS),
                               *(f"{100 * f[way + spent] / f[way + '_draw_ms']:.1f} %" for way, spent in WAYS.items()),
                               f"{f['drawn_by_sequence']:,.0f}", f"{f['drawn_by_groups']:,.0f}"])
+                if "drawn_by_directed" in f:
+                    directed.append([name, f"{result['params']['sizes_away']:g}", f"{f['split']:,.0f}", f"{f['drawn_by_directed']:,.0f}",
+                                     f"{100 * f['split'] / f['unified']:.0f} %", f"{100 * f['drawn_by_directed'] / f['drawn_by_sequence']:.0f} %",
+                                     f"{f['examined_by_directed']:,.0f}", f"{f['directed_test_ms']:.2f} ms", f"{f['directed_draw_ms']:.2f} ms"])
     kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "visited", "selected", "rejected"], rows)
     print()
     kit.table(["model", "sizes away", "traversal", "sequence", "with groups", "outside drawing", "the same", "with groups", "drawn",
                "with groups"], drawn)
+    if directed:
+        print("\nSplit errors:")
+        kit.table(["model", "sizes away", "traversal", "sequence", "of unified", "of unified sequence", "visited", "test", "drawing"], directed)
     kit.keep("spt" if options.backend == "cpu" else "spt-gl", kept, options.out)
 
 

@@ -103,27 +103,50 @@ static void draw_traversal(spt_drawing* d, uint32_t* nodes, const spt_view* view
     times->traversal_pixels += count_covered(d);
 }
 
-static void draw_sequence(spt_drawing* d, const spt_view* view, bool grouped, spt_times* times)
+/// Figures of a way to draw the sequence.
+typedef struct way_figures {
+    double *draw_ms, *test_ms;
+    uint64_t *splats, *pixels;
+} way_figures;
+
+static way_figures figures_of(spt_times* t, spt_way way)
+{
+    switch (way) {
+    case SPT_GROUPED:
+        return (way_figures){&t->group_ms, &t->group_test_ms, &t->group_splats, &t->group_pixels};
+    case SPT_DIRECTED:
+        return (way_figures){&t->directed_ms, &t->directed_test_ms, &t->directed_splats,
+                             &t->directed_pixels};
+    case SPT_PLAIN:
+        break;
+    }
+    return (way_figures){&t->sequence_ms, &t->test_ms, &t->sequence_splats, &t->sequence_pixels};
+}
+
+static void draw_sequence(spt_drawing* d, const spt_view* view, spt_way way, spt_times* times)
 {
     const stp_raster_target target = target_of(d);
     spt_model* m = d->model;
     clear(d);
     double start = stp_clock_ms();
-    spt_model_pick(m, view, grouped);
+    spt_model_pick(m, view, way);
     double test_ms = stp_clock_ms() - start;
-    stp_raster_splats splats = spt_model_splats(&m->set, view->prefix);
+    stp_raster_splats splats = spt_model_splats(spt_model_set(m, way), spt_view_prefix(view, way));
     splats.wanted = m->bits;
     (void)stp_raster_draw_splats(&target, 0, SPT_HEIGHT, &view->camera, &splats, 0);
     double took = stp_clock_ms() - start;
-    *(grouped ? &times->group_ms : &times->sequence_ms) += took;
-    *(grouped ? &times->group_test_ms : &times->test_ms) += test_ms;
-    *(grouped ? &times->group_splats : &times->sequence_splats) += spt_model_count(m, view);
-    *(grouped ? &times->group_pixels : &times->sequence_pixels) += count_covered(d);
+    way_figures figures = figures_of(times, way);
+    *figures.draw_ms += took;
+    *figures.test_ms += test_ms;
+    *figures.splats += spt_model_count(m, view, way);
+    *figures.pixels += count_covered(d);
 }
 
 void spt_drawing_measure(spt_drawing* d, uint32_t* nodes, const spt_view* view, spt_times* times)
 {
     draw_traversal(d, nodes, view, times);
-    draw_sequence(d, view, false, times);
-    draw_sequence(d, view, true, times);
+    draw_sequence(d, view, SPT_PLAIN, times);
+    draw_sequence(d, view, SPT_GROUPED, times);
+    draw_sequence(d, view, SPT_DIRECTED, times);
+    times->directed_examined += view->directed_prefix;
 }

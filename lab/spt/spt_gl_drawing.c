@@ -264,12 +264,14 @@ static stp_result draw_sequence(spt_gl_drawing* d, const spt_view* view, bool gr
     for (size_t i = 0; i < commands->count; ++i) {
         submitted += commands->commands[i].count;
     }
-    spt_model_pick(d->model, view, grouped);
+    spt_way way = grouped ? SPT_GROUPED : SPT_PLAIN;
+    spt_model_pick(d->model, view, way);
     *(grouped ? &times->group_ms : &times->sequence_ms) += took;
     *(grouped ? &times->group_test_ms : &times->test_ms) += test_ms;
     *(grouped ? &times->group_submitted : &times->sequence_submitted) += submitted;
     *(grouped ? &times->group_commands : &times->sequence_commands) += commands->count;
-    *(grouped ? &times->group_splats : &times->sequence_splats) += spt_model_count(d->model, view);
+    *(grouped ? &times->group_splats : &times->sequence_splats) +=
+        spt_model_count(d->model, view, way);
     *(grouped ? &times->group_pixels : &times->sequence_pixels) += count_covered(d);
     return result;
 }

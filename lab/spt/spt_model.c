@@ -40,6 +40,11 @@ stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
     if (result != STP_OK) {
         return result;
     }
+    options.tree.error = STP_TREE_SPLIT;
+    result = stp_method_by_id(STP_METHOD_SPT)->make(context, &source, &options, &m->directed);
+    if (result != STP_OK) {
+        return result;
+    }
     size_t count = tree->count;
     m->set.groups =
         STP_NEW_ARRAY(context, stp_splat_group, (size_t)stp_store_group_count(m->set.count) + 1);
@@ -53,6 +58,7 @@ stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
     }
     place_nodes(m);
     memset(m->set.coverages, STP_COVERAGE_WHOLE, m->set.count); // nodes have none
+    memset(m->directed.coverages, STP_COVERAGE_WHOLE, m->directed.count);
     stp_store_make_groups(&m->set, 0, m->set.count);
     return STP_OK;
 }
@@ -67,6 +73,7 @@ void spt_model_destroy(spt_model* m)
         stp_free(m->context, arrays[i]);
     }
     stp_splats_destroy(m->context, &m->set);
+    stp_splats_destroy(m->context, &m->directed);
 }
 
 /// The depth of the group that reaches nearest to the eye.
@@ -85,6 +92,19 @@ static double find_nearest(const spt_model* m, const stp_raster_camera* camera)
         nearest = fmin(nearest, depth);
     }
     return nearest;
+}
+
+/// The part of a set that a level can need.
+static uint32_t find_prefix(const stp_splats* set, double level)
+{
+    const stp_prefix_table* table = &set->table;
+    for (uint32_t i = 0; i < table->size; ++i) {
+        if ((double)table->radius[i] <= level) {
+            assert(table->count[i] <= set->count);
+            return table->count[i];
+        }
+    }
+    return set->count;
 }
 
 bool spt_model_make_view(const spt_model* m, const stp_tree_view* from, stp_vec3d target,
@@ -112,13 +132,9 @@ bool spt_model_make_view(const spt_model* m, const stp_tree_view* from, stp_vec3
     stp_placed_item placed;
     stp_placement_place(&placement, &item, nowhere, &placed);
     view->camera = placed.camera;
-    const stp_prefix_table* table = &m->set.table;
     double level = 0.5 * from->allowed * find_nearest(m, &view->camera);
-    view->prefix = m->set.count;
-    for (uint32_t i = 0; i < table->size && view->prefix == m->set.count; ++i) {
-        view->prefix = (double)table->radius[i] <= level ? table->count[i] : view->prefix;
-    }
-    assert(view->prefix <= m->set.count);
+    view->prefix = find_prefix(&m->set, level);
+    view->directed_prefix = find_prefix(&m->directed, level);
     return true;
 }
 
@@ -135,21 +151,33 @@ stp_raster_splats spt_model_splats(const stp_splats* set, uint32_t count)
                                .back_depth = 2.0f};
 }
 
-void spt_model_pick(spt_model* m, const spt_view* view, bool grouped)
+const stp_splats* spt_model_set(const spt_model* m, spt_way way)
 {
-    const stp_raster_splats splats = spt_model_splats(&m->set, view->prefix);
-    const stp_raster_levels levels = {.per_depth = view->per_depth,
-                                      .groups = grouped ? m->set.groups : NULL,
-                                      .one_sided = grouped,
-                                      .width = SPT_WIDTH,
-                                      .height = SPT_HEIGHT};
-    (void)stp_raster_pick_levels(&view->camera, &splats, m->set.ranges, &levels, m->bits);
+    return way == SPT_DIRECTED ? &m->directed : &m->set;
 }
 
-uint64_t spt_model_count(const spt_model* m, const spt_view* view)
+uint32_t spt_view_prefix(const spt_view* view, spt_way way)
+{
+    return way == SPT_DIRECTED ? view->directed_prefix : view->prefix;
+}
+
+void spt_model_pick(spt_model* m, const spt_view* view, spt_way way)
+{
+    const stp_splats* set = spt_model_set(m, way);
+    const stp_raster_splats splats = spt_model_splats(set, spt_view_prefix(view, way));
+    const stp_raster_levels levels = {.per_depth = view->per_depth,
+                                      .errors = set->errors,
+                                      .groups = way == SPT_GROUPED ? set->groups : NULL,
+                                      .one_sided = way == SPT_GROUPED,
+                                      .width = SPT_WIDTH,
+                                      .height = SPT_HEIGHT};
+    (void)stp_raster_pick_levels(&view->camera, &splats, set->ranges, &levels, m->bits);
+}
+
+uint64_t spt_model_count(const spt_model* m, const spt_view* view, spt_way way)
 {
     uint64_t count = 0;
-    for (uint32_t i = 0; i < (view->prefix + 15) / 16; ++i) {
+    for (uint32_t i = 0; i < (spt_view_prefix(view, way) + 15) / 16; ++i) {
         count += (uint64_t)__builtin_popcount(m->bits[i]);
     }
     return count;

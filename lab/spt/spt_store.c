@@ -31,7 +31,7 @@ stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store
     const stp_shading shading = {.roughness = 1, .flags = STP_SHADING_UNLIT};
     const stp_store_node node = {.part_count = 1, .triangle_count = 1, .bounds = bounds_of(set)};
     const stp_store_method method = {
-        .name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS, .set_count = 1};
+        .name = "spt", .id = STP_METHOD_SPT, .columns = set->columns, .set_count = 1};
     const stp_store_content content = {.directory = {.node_count = 1,
                                                      .part_count = 1,
                                                      .material_count = 1,

@@ -40,7 +40,8 @@ static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN
 static const char* const psp_metric_names[] = {"regions", "normals", "distances"};
 static const stp_psp_metric psp_metrics[] = {STP_PSP_REGIONS, STP_PSP_NORMALS, STP_PSP_DISTANCES};
 static const char* const capture_names[] = {"splats", "triangles"};
-static const stp_tree_error errors[] = {STP_TREE_GEOMETRIC, STP_TREE_DIAMETER};
+static const char* const error_names[] = {"unified", "split", "qsplat"};
+static const stp_tree_error errors[] = {STP_TREE_GEOMETRIC, STP_TREE_SPLIT, STP_TREE_DIAMETER};
 
 static const option table[] = {
     {.name = "output",
@@ -173,9 +174,10 @@ static const option table[] = {
     {.name = "error",
      .type = OPTION_CHOICE,
      .argument = "NAME",
-     .words = "unified|qsplat",
-     .help = "error of an spt node: unified (its geometric error) or qsplat (its diameter, "
-             "as in QSplat); default unified",
+     .words = "unified|split|qsplat",
+     .help = "error of an spt node: unified (its geometric error), split (its two parts, which "
+             "depend on the direction of view: fewer splats, but slower) or qsplat (its "
+             "diameter, as in QSplat); default unified",
      .value = &args.error,
      .given = &args.error_given,
      .group = "Method spt",
@@ -318,8 +320,7 @@ static char* parameters_json(void)
         (void)json_object_set_new(json, "levels", json_string("off"));
     }
     if (args.error_given) {
-        (void)json_object_set_new(json, "error",
-                                  json_string(args.error != 0 ? "qsplat" : "unified"));
+        (void)json_object_set_new(json, "error", json_string(error_names[args.error]));
     }
     if (args.psp_metric_given) {
         (void)json_object_set_new(json, "psp_metric",

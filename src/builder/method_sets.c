@@ -142,12 +142,13 @@ static void list_methods(const run* r)
     for (uint32_t m = 0; m < made->method_count; ++m) {
         const stp_method* method = r->desc->methods[m];
         uint32_t* sets = made->sets_of_nodes + (m - (m > 0)) * nodes;
-        made->methods[m] = (stp_store_method){.name = method->name,
-                                              .id = method->id,
-                                              .columns = method->columns,
-                                              .first_set = m * plan->step_count,
-                                              .set_count = plan->step_count,
-                                              .sets = m > 0 ? sets : NULL};
+        made->methods[m] =
+            (stp_store_method){.name = method->name,
+                               .id = method->id,
+                               .columns = stp_method_columns(method, r->desc->options),
+                               .first_set = m * plan->step_count,
+                               .set_count = plan->step_count,
+                               .sets = m > 0 ? sets : NULL};
         for (size_t i = 0; m > 0 && i < nodes; ++i) {
             bool none = plan->step_of == NULL || plan->step_of[i] == STP_NONE;
             assert(none || plan->steps[plan->step_of[i]].node == i);

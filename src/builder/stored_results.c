@@ -23,6 +23,7 @@ enum {
     LEAVES_AT = ATTRIBUTES_AT + 4,
     ATTRIBUTE_COLUMN = 7,
     LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
+    ERROR_COLUMN,
     COLUMNS,
 };
 _Static_assert(LEAVES_AT + 4 <= SPLAT_SET_HEAD, "the head holds the table");
@@ -143,6 +144,7 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     sizes[4] = entries;
     sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[ERROR_COLUMN] = (s->columns & STP_SPLATS_ERRORS) != 0 ? 4 * (size_t)s->count : 0;
     sizes[LEAF_COLUMN] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         size_t size = stp_attribute_size((stp_attribute)i) * s->count;
@@ -199,6 +201,7 @@ static bool read_splat_set(const void* result, size_t size, stp_splats* s, uint3
     s->coverages = (uint8_t*)(bytes + offsets[4]);
     s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
     s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
+    s->errors = sizes[ERROR_COLUMN] != 0 ? (uint32_t*)(bytes + offsets[ERROR_COLUMN]) : NULL;
     s->leaves = sizes[LEAF_COLUMN] != 0 ? (stp_splat_leaf*)(bytes + offsets[LEAF_COLUMN]) : NULL;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         bool there = sizes[ATTRIBUTE_COLUMN + i] != 0;
@@ -237,6 +240,7 @@ static stp_result store_splat_set(stp_work* work, stp_hash key, const stp_splats
         columns[ATTRIBUTE_COLUMN + i] = splats->attributes[i];
     }
     columns[LEAF_COLUMN] = splats->leaves;
+    columns[ERROR_COLUMN] = splats->errors;
     stp_bytes parts[1 + 2 * COLUMNS] = {{head, SPLAT_SET_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         assert((columns[i] != NULL || sizes[i] == 0) && "a column is missing");

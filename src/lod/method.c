@@ -128,7 +128,8 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
     {.name = "spt",
      .title = "Sequential Point Trees",
      .id = STP_METHOD_SPT,
-     .columns = STP_SPLATS_COLUMNS,
+     .columns = STP_SPT_COLUMNS,
+     .split_columns = STP_SPLATS_ERRORS,
      .hash = hash_spt,
      .bytes = spt_bytes,
      .make = make_spt},
@@ -149,6 +150,11 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .make = make_stochastic,
      .make_alone = make_stochastic_alone},
 };
+
+uint32_t stp_method_columns(const stp_method* method, const stp_method_options* options)
+{
+    return method->columns | (options->tree.error == STP_TREE_SPLIT ? method->split_columns : 0);
+}
 
 const stp_method* stp_method_by_name(const char* name)
 {

@@ -32,10 +32,11 @@ typedef struct stp_method_source {
 
 typedef struct stp_method {
     const char* name;
-    const char* title; ///< display name
-    uint32_t id;       ///< STP_METHOD_*
-    uint32_t columns;  ///< STP_SPLATS_*, of its sets
-    bool finds_signs;  ///< it determines the outside of points without normals
+    const char* title;      ///< display name
+    uint32_t id;            ///< STP_METHOD_*
+    uint32_t columns;       ///< STP_SPLATS_*, of all its sets
+    uint32_t split_columns; ///< further ones with STP_TREE_SPLIT
+    bool finds_signs;       ///< it determines the outside of points without normals
     /// Adds to a content key everything besides samples that affects a set. NULL if `make` is NULL.
     stp_hash (*hash)(stp_hash key, const stp_method_options* options);
     /// Bytes of memory needed for making a set. NULL if `make` is NULL.
@@ -58,6 +59,8 @@ enum { STP_METHOD_COUNT = 4 };
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];
 
+/// Columns of the sets that a method makes with these options.
+uint32_t stp_method_columns(const stp_method* method, const stp_method_options* options);
 /// Finds a method by name or id. @return NULL if there is none
 const stp_method* stp_method_by_name(const char* name);
 const stp_method* stp_method_by_id(uint32_t id);

@@ -13,6 +13,7 @@ void stp_splats_destroy(stp_context* context, stp_splats* splats)
     stp_free(context, splats->coverages);
     stp_free(context, splats->shapes);
     stp_free(context, splats->ranges);
+    stp_free(context, splats->errors);
     stp_free(context, splats->leaves);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         stp_free(context, splats->attributes[i]);
@@ -58,8 +59,10 @@ stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)
     s->shapes = STP_NEW_ARRAY(context, uint32_t, count);
     bool ranges = (s->columns & STP_SPLATS_RANGES) != 0;
     s->ranges = ranges ? STP_NEW_ARRAY(context, uint32_t, count) : NULL;
+    bool errors = (s->columns & STP_SPLATS_ERRORS) != 0;
+    s->errors = errors ? STP_NEW_ARRAY(context, uint32_t, count) : NULL;
     bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
                 s->colors != NULL && s->coverages != NULL && s->shapes != NULL &&
-                (s->ranges != NULL || !ranges);
+                (s->ranges != NULL || !ranges) && (s->errors != NULL || !errors);
     return made ? STP_OK : stp_fail_memory(context);
 }

@@ -7,8 +7,8 @@
 #include <assert.h>
 #include <math.h>
 
-/// The eye, or the view direction in parallel projection, in grid coordinates.
-static void find_eye(const stp_raster_camera* camera, const stp_raster_splats* splats, float eye[3])
+void stp_raster_find_eye(const stp_raster_camera* camera, const stp_raster_splats* splats,
+                         float eye[3])
 {
     const float origin[3] = {splats->origin.x, splats->origin.y, splats->origin.z};
     double square = 0.0;
@@ -43,7 +43,7 @@ stp_raster_groups stp_raster_groups_make(const stp_raster_camera* camera,
         groups.x[k] += frame->margin * groups.w[k];
         groups.y[k] += frame->margin * groups.w[k];
     }
-    find_eye(camera, splats, groups.eye);
+    stp_raster_find_eye(camera, splats, groups.eye);
     return groups;
 }
 

@@ -22,6 +22,10 @@ typedef struct stp_raster_frame {
     bool one_sided;
 } stp_raster_frame;
 
+/// The eye in grid coordinates; in parallel projection the unit view direction.
+void stp_raster_find_eye(const stp_raster_camera* camera, const stp_raster_splats* splats,
+                         float eye[3]);
+
 /// Of `splats`, which has positions on a grid, only the grid and the radius are used.
 stp_raster_groups stp_raster_groups_make(const stp_raster_camera* camera,
                                          const stp_raster_splats* splats,

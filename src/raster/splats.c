@@ -269,6 +269,14 @@ bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_sp
     assert((!levels->beside_triangles || levels->groups != NULL) && "groups hold the marks");
     levels_frame frame = {.splats = splats, .ranges = ranges, .levels = *levels};
     stp_splats_fold_row(camera->matrix.m[3], splats, frame.w);
+    if (levels->minimum > 0.0f) {
+        frame.levels.errors = NULL;
+    }
+    if (frame.levels.errors != NULL) {
+        assert(splats->normals != NULL && "shares depend on them");
+        stp_raster_find_eye(camera, splats, frame.eye);
+        frame.away = camera->parallel ? 0.0f : 1.0f;
+    }
     if (levels->groups != NULL) {
         const stp_raster_frame picture = {
             .width = levels->width, .height = levels->height, .one_sided = levels->one_sided};

@@ -82,6 +82,9 @@ typedef struct stp_raster_levels {
     float minimum;   ///< lower bound everywhere
     uint32_t divide; ///< splats before it use `below` at any depth; 0: none
     float below;
+    /// NULL, or 1 per splat (base/splats/splat_codes.h): the view direction lowers the levels of the
+    /// ranges. Ignored with a minimum: its cut is one of the whole ranges. Requires normals.
+    const uint32_t* errors;
     /// NULL, or one per STP_GROUP_SPLATS splats (from splat 0 on): culls groups outside the picture
     /// and, with `one_sided`, groups whose splats all face away.
     const stp_splat_group* groups;
@@ -92,7 +95,7 @@ typedef struct stp_raster_levels {
 
 /// Sets a bit per splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end)
 /// whose ranges (base/splats/splat_codes.h) contain the level at their depth, and clears the others. Of
-/// `splats`, only positions and `wanted` are used: unwanted splats are skipped. @return whether any
+/// `splats`, only positions, `wanted` and, with errors, normals are used: unwanted splats are skipped. @return whether any
 /// bit is set
 bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,
                             const uint32_t* ranges, const stp_raster_levels* levels,

@@ -68,4 +68,41 @@ src/there.c:3: docs/testing.md has no section No heading
 src/there.c:3: no file src/absent/there.c
 END
 sort "$scratch/faults" | diff "$scratch/expected" - > "$scratch/difference" || fail "$(cat "$scratch/difference")"
+
+# figures have a command, a date and an age
+python3 "$source/scripts/figure_ages.py" --check > "$scratch/found" || fail "figures: $(cat "$scratch/found")"
+ages=$scratch/ages
+mkdir -p "$ages/docs" "$ages/src/order" "$ages/src/raster"
+echo '# Nothing is measured' > "$ages/README.md"
+cat > "$ages/docs/performance.md" << 'END'
+| what | measured | command | date |
+|---|---|---|---|
+| order | 3 ms | `stipple-lab bench order` | 2026-01-02 |
+| splats | 4 M | `bench/splats.py --quick` | 2026-01-02 |
+END
+commit() { # file, day
+    echo "$2" >> "$ages/$1" && git -C "$ages" add -A &&
+        GIT_COMMITTER_DATE="$2T12:00:00" git -C "$ages" -c user.name=a -c user.email=a@b.c commit -q -m "$1" --date "$2T12:00:00"
+}
+git -C "$ages" init -q && commit src/order/a.c 2026-01-01 && commit src/order/a.c 2026-01-03 &&
+    commit src/order/a.c 2026-01-04 && commit src/raster/b.c 2026-01-01 || fail "no history"
+python3 "$source/scripts/figure_ages.py" --root "$ages" > "$scratch/found" || fail "ages: $(cat "$scratch/found")"
+printf 'docs/performance.md:3: order: 2026-01-02, 2 commits since\ndocs/performance.md:4: splats: 2026-01-02, 0 commits since\n' |
+    diff - "$scratch/found" > "$scratch/difference" || fail "$(cat "$scratch/difference")"
+cat > "$ages/docs/performance.md" << 'END'
+| what | measured | command | date |
+|---|---|---|---|
+| order | 3 ms | | 2026-01-02 |
+| splats | 4 M | `bench/splats.py` | soon |
+| frames | 5 ms | `bench/guess.py` | 2026-01-02 |
+| tomorrow | 6 ms | `bench/splats.py` | 9999-01-02 |
+END
+python3 "$source/scripts/figure_ages.py" --root "$ages" --check > "$scratch/found" && fail "faults of figures are not found"
+cat > "$scratch/expected" << 'END'
+docs/performance.md:3: order: has no command
+docs/performance.md:4: splats: has no date
+docs/performance.md:5: frames: the rooms of `bench/guess.py` are not known
+docs/performance.md:6: tomorrow: its date is in the future
+END
+diff "$scratch/expected" "$scratch/found" > "$scratch/difference" || fail "$(cat "$scratch/difference")"
 exit $((failures > 0))

@@ -24,7 +24,11 @@ small="scene:spheres,scale=0.02 --surfels 3000 --surfel-ratio 0.001"
 # shellcheck disable=SC2086
 "$stipple" -q build $small -o spt.stip --method spt --error qsplat --color-threshold 0 ||
     fail "no build of spt"
-for file in both blue spt; do
+# shellcheck disable=SC2086
+"$stipple" -q build $small -o split.stip --method spt --error split --color-threshold 0 ||
+    fail "no build with split errors"
+[ "$(stat -c %s split.stip)" -gt "$(stat -c %s spt.stip)" ] || fail "split errors take no space"
+for file in both blue spt split; do
     "$stipple" -q check $file.stip || fail "$file.stip is wrong"
 done
 methods() # of info.json
@@ -64,6 +68,12 @@ refused 1 'has splats by blue, not by spt' fly blue.stip --path path.json --meth
 if draw both.stip gl --method spt --backend gl && [ -e gl.png ]; then
     "$stipple" compare first_spt.png gl.png --json > compare.json
     holds "$(value compare.json ssim) > 0.98" || fail "backends differ: $(cat compare.json)"
+fi
+# split errors: alike on both backends
+draw split.stip split
+if draw split.stip gl_split --backend gl && [ -e gl_split.png ]; then
+    "$stipple" compare split.png gl_split.png --json > compare.json
+    holds "$(value compare.json ssim) > 0.98" || fail "backends differ with split errors: $(cat compare.json)"
 fi
 # the same with a memory limit
 draw both.stip limited --method spt --memory 64M
@@ -182,5 +192,7 @@ draw both.stip few --method spt
 [ "$(value few.json splats)" -le 500 ] || fail "$(value few.json splats) splats are not 500"
 "$stipple" -q fly both.stip --path path.json --method spt --frames 3 --size 64x48 --budget-ms 50 --json > fly.json || fail "fly"
 [ "$(value fly.json method)" = spt ] || fail "fly draws $(value fly.json method)"
-python3 "$3/scripts/read_store.py" both.stip > read.json || fail "the independent reader refuses both.stip"
+for file in both split; do
+    python3 "$3/scripts/read_store.py" $file.stip > read.json || fail "the independent reader refuses $file.stip"
+done
 [ $failures -eq 0 ]

@@ -100,8 +100,7 @@ void made_one_node(made_scene* s, const stp_store_mesh* mesh, const stp_splats* 
         .part_count = 1, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     s->sets[0] = *set;
     s->set_count = 1;
-    s->method =
-        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
+    s->method = (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = set->columns};
 }
 
 stp_store* made_open(stp_context* context, made_scene* scene)

@@ -26,11 +26,11 @@ typedef struct fixture {
 } fixture;
 
 // The square from -1 to 1 with 4,096 samples and two triangles that count as a million.
-static bool set_up(fixture* f)
+static bool set_up(fixture* f, stp_tree_error error)
 {
     static const uint8_t red[3] = {255, 0, 0};
     *f = (fixture){.context = test_context(NULL, 2, NULL)};
-    stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
+    stp_spt_desc desc = {.tree = {error, 255}};
     f->samples = made_square_set(f->context, LOG_SIDE, red);
     if (stp_spt_make(f->context, &f->samples, &desc, &f->set) != STP_OK) {
         return false;
@@ -81,10 +81,10 @@ static bool is_whole(const fixture* f, double distance)
     return begin < end;
 }
 
-void test_spt_draws_without_holes(test_state* test)
+static void check_holes(test_state* test, stp_tree_error error)
 {
     fixture f;
-    CHECK(set_up(&f));
+    CHECK(set_up(&f, error));
     int drawn = 0;
     for (int i = 0; i < 24; ++i) {
         double distance = 6.0 * pow(1.07, i);
@@ -108,12 +108,22 @@ void test_spt_draws_without_holes(test_state* test)
     tear_down(&f);
 }
 
+void test_spt_draws_without_holes(test_state* test)
+{
+    check_holes(test, STP_TREE_GEOMETRIC);
+}
+
+void test_spt_draws_split_errors_without_holes(test_state* test)
+{
+    check_holes(test, STP_TREE_SPLIT);
+}
+
 // Near the eye the samples are too coarse: triangles are drawn. Farther away, fewer and fewer
 // splats are drawn.
 void test_spt_needs_fewer_splats_from_afar(test_state* test)
 {
     fixture f;
-    CHECK(set_up(&f));
+    CHECK(set_up(&f, STP_TREE_GEOMETRIC));
     f.view.eye.z = 1.5;
     CHECK_EQUAL(STP_OK, draw(&f));
     CHECK(f.list.count == 1 && f.list.items[0].kind == STP_DRAW_MESH);
@@ -147,7 +157,7 @@ void test_spt_needs_fewer_splats_from_afar(test_state* test)
 void test_spt_is_drawn_if_the_requested_method_is_missing(test_state* test)
 {
     fixture f;
-    CHECK(set_up(&f));
+    CHECK(set_up(&f, STP_TREE_GEOMETRIC));
     f.view.eye.z = 20.0;
     CHECK_EQUAL(STP_OK, draw(&f));
     uint64_t count = f.list.splat_count;

@@ -15,7 +15,7 @@ enum { SAMPLES = 40000, PIXELS = PICTURE_SIDE * PICTURE_SIDE, VIEWS = 6 };
 
 // A ball of radius 1, seen from outside or, with `faces_in`, from inside. Samples lie along a
 // spiral.
-static void make_ball(made_picture* p, bool faces_in)
+static void make_ball(made_picture* p, bool faces_in, stp_tree_error error)
 {
     static uint16_t positions[3 * SAMPLES];
     static int8_t normals[2 * SAMPLES];
@@ -46,7 +46,7 @@ static void make_ball(made_picture* p, bool faces_in)
                           .coverages = coverages,
                           .table = {.size = 1, .count = {SAMPLES}, .radius = {0.02f}},
                           .candidate_radius = 0.001f};
-    const stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
+    const stp_spt_desc desc = {.tree = {error, 255}};
     made_scene* s = &p->scene;
     if (stp_spt_make(p->context, &samples, &desc, &s->sets[0]) != STP_OK) {
         return;
@@ -58,17 +58,22 @@ static void make_ball(made_picture* p, bool faces_in)
         (stp_store_node){.part_count = 1, .triangle_count = 2, .bounds = {{-1, -1, -1}, {1, 1, 1}}};
     s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
     s->method =
-        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
+        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = s->sets[0].columns};
 }
 
 static void add_ball(made_picture* p)
 {
-    make_ball(p, false);
+    make_ball(p, false, STP_TREE_GEOMETRIC);
 }
 
 static void add_room(made_picture* p)
 {
-    make_ball(p, true);
+    make_ball(p, true, STP_TREE_GEOMETRIC);
+}
+
+static void add_split_ball(made_picture* p)
+{
+    make_ball(p, false, STP_TREE_SPLIT);
 }
 
 typedef struct fixture {
@@ -199,8 +204,8 @@ static void compare_views(test_state* test, fixture* f, bool within)
 void test_gl_culled_groups_change_no_pixel(test_state* test)
 {
     static fixture f;
-    void (*const scenes[])(made_picture * p) = {add_ball, add_room};
-    for (int i = 0; i < 2; ++i) {
+    void (*const scenes[])(made_picture * p) = {add_ball, add_room, add_split_ball};
+    for (int i = 0; i < 3; ++i) {
         bool failed;
         if (!set_up(&f, scenes[i], &failed)) {
             tear_down(&f);

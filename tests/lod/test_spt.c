@@ -4,7 +4,10 @@
 #include "tests.h"
 
 #include "base/math/rng.h"
+#include "base/splats/octahedral.h"
+#include "base/splats/splat_codes.h"
 #include "lod/spt/sequence.h"
+#include "lod/spt/split_errors.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -255,7 +258,7 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
     stp_tree_desc desc = {.color_threshold = 255};
     fill(&c, 7, POINTS);
     CHECK_EQUAL(STP_OK, stp_point_tree_make(context, &c.points, &desc, &tree));
-    CHECK_EQUAL(STP_OK, stp_point_sequence_make(context, &tree, max_allowed, &sequence));
+    CHECK_EQUAL(STP_OK, stp_point_sequence_make(context, &tree, max_allowed, false, &sequence));
     for (uint32_t i = 1; i < sequence.count; ++i) {
         CHECK(sequence.highest[i] <= sequence.highest[i - 1]);
     }
@@ -295,6 +298,113 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
     stp_point_sequence_destroy(context, &sequence);
     stp_point_tree_destroy(context, &tree);
     stp_context_destroy(context);
+}
+
+/// A sequence with split errors: what a set stores of each node.
+typedef struct split_sequence {
+    stp_node_splat splats[2 * POINTS]; ///< only their normals
+    uint32_t errors[2 * POINTS], ranges[2 * POINTS];
+} split_sequence;
+
+static void make_split(stp_context* context, const stp_point_tree* tree, double max_allowed,
+                       split_sequence* s)
+{
+    for (uint32_t i = 0; i < tree->count; ++i) {
+        stp_octahedral_encode(tree->disks[i].normal, s->splats[i].normal);
+    }
+    s->ranges[0] = stp_range_code(tree->errors[0], HUGE_VALF);
+    for (uint32_t i = 0; i < tree->count; ++i) {
+        for (uint32_t k = i + 1; k < tree->ends[i]; k = tree->ends[k]) {
+            float highest =
+                stp_point_sequence_highest(tree, i, k, stp_split_overlap(tree, i) * max_allowed);
+            s->ranges[k] = stp_range_code(tree->errors[k], highest);
+        }
+    }
+    stp_split_errors_make(context, tree, s->splats, max_allowed, s->errors);
+}
+
+/// Whether a node's own errors are small enough in a view, and its parent's too large.
+typedef struct split_tests {
+    bool own, parent;
+} split_tests;
+
+static split_tests test_node(const split_sequence* s, const stp_point_tree* tree, uint32_t node,
+                             const stp_tree_view* view)
+{
+    stp_vec3d d = stp_subd(view->eye, stp_to_double(tree->disks[node].center));
+    stp_vec3 sight = {(float)d.x, (float)d.y, (float)d.z};
+    float level = (float)(view->allowed * sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
+    uint32_t code = s->errors[node];
+    const int8_t* own = s->splats[node].normal;
+    float lowest =
+        stp_error_share(code & 15u, code >> 4 & 15u, stp_octahedral_decode(own[0], own[1]), sight);
+    float highest =
+        stp_error_share(code >> 8 & 15u, code >> 12 & 15u,
+                        stp_octahedral_decode((int8_t)(code >> 16), (int8_t)(code >> 24)), sight);
+    return (split_tests){level >= lowest * stp_range_level(s->ranges[node] & 0xFFFFu),
+                         level <= highest * stp_range_level(s->ranges[node] >> 16)};
+}
+
+// With split errors, each node tests its own errors and its parent's alone. On each way from the root,
+// the topmost node whose own errors are small enough passes, from any place: there are no holes.
+void test_spt_split_sequences_select_what_the_traversal_does(test_state* test)
+{
+    static cloud c;
+    static split_sequence s;
+    static uint32_t nodes[2 * POINTS];
+    const double max_allowed = 1.0 / 64;
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_point_tree tree;
+    stp_tree_desc desc = {.color_threshold = 255};
+    fill(&c, 7, POINTS);
+    CHECK_EQUAL(STP_OK, stp_point_tree_make(context, &c.points, &desc, &tree));
+    make_split(context, &tree, max_allowed, &s);
+    uint64_t topmost = 0, more = 0, split = 0, unified = 0;
+    for (uint64_t seed = 0; seed < 400; ++seed) {
+        float away = powf(10.0f, 3.0f * unit(seed, 0) - 1.0f);
+        stp_tree_view view = {.eye = {(double)(away * (unit(seed, 1) - 0.5f)),
+                                      (double)(away * (unit(seed, 2) - 0.5f)),
+                                      (double)(away * (unit(seed, 3) - 0.5f))},
+                              .allowed = max_allowed * (double)(0.01f + 0.99f * unit(seed, 4))};
+        for (uint32_t i = 0, end = 0; i < tree.count; ++i) {
+            split_tests tests = test_node(&s, &tree, i, &view);
+            if (i >= end && tests.own) {
+                CHECK(tests.parent);
+                end = tree.ends[i];
+                topmost += 1;
+            } else if (tests.own && tests.parent) { // below another
+                CHECK(i < end);
+                more += 1;
+            }
+        }
+        unified += stp_point_tree_traverse(&tree, &view, nodes);
+        view.split = true;
+        split += stp_point_tree_traverse(&tree, &view, nodes);
+    }
+    CHECK(topmost < split + split / 20 && topmost + more < unified);
+    stp_point_tree_destroy(context, &tree);
+    stp_context_destroy(context);
+}
+
+// Shares are rounded up, and the root has all of them.
+void test_spt_shares_of_errors_never_shrink(test_state* test)
+{
+    const stp_vec3 up = {0, 0, 127}, along = {3, 4, 0}, above = {0, 0, -2}, none = {0, 0, 0};
+    for (uint32_t code = 0; code <= STP_ERROR_SHARE_WHOLE; ++code) {
+        double share = (double)(code + STP_ERROR_SHARE_FIRST) / STP_ERROR_STEPS;
+        CHECK_EQUAL(code, stp_error_share_code(STP_ERROR_STEPS * share - 0.01));
+        CHECK(is_near(stp_error_share(code, 0, up, along), share, 1e-6));
+        CHECK(is_near(stp_error_share(0, code, up, above), share, 1e-6));
+        CHECK(is_near(stp_error_share(0, code, up, none), share, 1e-6)); // the eye is there
+    }
+    CHECK_EQUAL(0, stp_error_share_code(0.0));
+    CHECK_EQUAL(STP_ERROR_SHARE_WHOLE, stp_error_share_code(1.5 * STP_ERROR_STEPS));
+    for (int i = 0; i <= 90; ++i) { // two whole shares are the whole error in all views
+        double angle = 3.14159265358979 / 180.0 * i;
+        stp_vec3 sight = {(float)cos(angle), 0.0f, (float)sin(angle)};
+        CHECK(stp_error_share(STP_ERROR_SHARE_WHOLE, STP_ERROR_SHARE_WHOLE, up, sight) == 1.0f);
+        CHECK(stp_error_share(0, 0, up, sight) >= 0.2499f);
+    }
 }
 
 void test_spt_split_errors_take_fewer_nodes(test_state* test)
@@ -338,7 +448,7 @@ void test_spt_survives_failing_allocator(test_state* test)
             result = stp_point_tree_make(context, &c.points, &(stp_tree_desc){0}, &tree);
         }
         if (result == STP_OK) {
-            result = stp_point_sequence_make(context, &tree, 0.01, &sequence);
+            result = stp_point_sequence_make(context, &tree, 0.01, false, &sequence);
             stp_point_sequence_destroy(context, &sequence);
             stp_point_tree_destroy(context, &tree);
         }

@@ -5,6 +5,7 @@
 #include "tests.h"
 
 #include "base/splats/coverage.h"
+#include "base/splats/octahedral.h"
 #include "base/splats/prefix_table.h"
 #include "base/splats/splat_codes.h"
 #include "lod/method.h"
@@ -27,10 +28,21 @@ static void make_samples(samples* s)
     }
 }
 
-static bool is_drawn(const stp_splats* s, uint32_t i, double level)
+/// @param sight NULL, or the direction to the eye, for sets with split errors
+static bool is_drawn(const stp_splats* s, uint32_t i, double level, const stp_vec3* sight)
 {
-    return level >= (double)stp_range_level(s->ranges[i] & 0xFFFFu) &&
-           level <= (double)stp_range_level(s->ranges[i] >> 16);
+    float own = 1.0f, parent = 1.0f;
+    if (sight != NULL) {
+        uint32_t code = s->errors[i];
+        own = stp_error_share(code & 15u, code >> 4 & 15u,
+                              stp_octahedral_decode(s->normals[2 * i], s->normals[2 * i + 1]),
+                              *sight);
+        parent = stp_error_share(code >> 8 & 15u, code >> 12 & 15u,
+                                 stp_octahedral_decode((int8_t)(code >> 16), (int8_t)(code >> 24)),
+                                 *sight);
+    }
+    return level >= (double)(own * stp_range_level(s->ranges[i] & 0xFFFFu)) &&
+           level <= (double)(parent * stp_range_level(s->ranges[i] >> 16));
 }
 
 void test_spt_sets_are_sequences(test_state* test)
@@ -43,7 +55,7 @@ void test_spt_sets_are_sequences(test_state* test)
     stp_splats s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     CHECK(s.count > SAMPLES && s.count < 2 * SAMPLES);
-    CHECK_EQUAL(STP_SPLATS_COLUMNS, s.columns);
+    CHECK_EQUAL(STP_SPT_COLUMNS, s.columns);
     CHECK_EQUAL(s.count, s.octave_ends[s.octave_count - 1]);
     uint32_t leaves = 0, seams = 0;
     for (uint32_t i = 0; i < s.count; ++i) {
@@ -68,13 +80,14 @@ void test_spt_sets_are_sequences(test_state* test)
 }
 
 // At any level, of a view or of the whole set, each sample lies in a drawn disk.
-void test_spt_sets_cover_at_every_level(test_state* test)
+static void check_cover(test_state* test, stp_tree_error error)
 {
     static samples from;
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     make_samples(&from);
     stp_spt_desc desc = {.tree = stp_method_options_default().tree};
+    desc.tree.error = error;
     stp_splats s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     uint32_t before = UINT32_MAX;
@@ -88,10 +101,11 @@ void test_spt_sets_cover_at_every_level(test_state* test)
         for (uint32_t i = 0; i < s.count; ++i) {
             stp_vec3d d = stp_subd(place_of(&s, i), eye);
             double at = by_depth ? per_depth * sqrt(d.x * d.x + d.y * d.y + d.z * d.z) : level;
-            drawn[i] = is_drawn(&s, i, at);
+            stp_vec3 sight = {(float)d.x, (float)d.y, (float)d.z};
+            drawn[i] = is_drawn(&s, i, at, by_depth && s.errors != NULL ? &sight : NULL);
             count += drawn[i];
         }
-        CHECK(count > 0 && (by_depth || count <= before));
+        CHECK(count > 0 && (by_depth || s.errors != NULL || count <= before));
         before = by_depth ? before : count;
         for (uint32_t k = 0; k < SAMPLES; k += 7) {
             bool covered = false;
@@ -110,6 +124,16 @@ void test_spt_sets_cover_at_every_level(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_spt_sets_cover_at_every_level(test_state* test)
+{
+    check_cover(test, STP_TREE_GEOMETRIC);
+}
+
+void test_spt_split_sets_cover_at_every_level(test_state* test)
+{
+    check_cover(test, STP_TREE_SPLIT);
+}
+
 void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
 {
     static samples from;
@@ -117,7 +141,7 @@ void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
     stp_context* contexts[2] = {test_context(NULL, 1, NULL), test_context(NULL, 4, NULL)};
     CHECK(contexts[0] != NULL && contexts[1] != NULL);
     make_samples(&from);
-    stp_spt_desc desc = {.tree = {STP_TREE_DIAMETER, 255}};
+    stp_spt_desc desc = {.tree = {STP_TREE_SPLIT, 255}};
     for (int i = 0; i < 2; ++i) {
         CHECK_EQUAL(STP_OK, stp_spt_make(contexts[i], &from.set, &desc, &made[i]));
     }
@@ -125,6 +149,7 @@ void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
     CHECK(memcmp(made[0].positions, made[1].positions, 6 * (size_t)made[0].count) == 0);
     CHECK(memcmp(made[0].ranges, made[1].ranges, 4 * (size_t)made[0].count) == 0);
     CHECK(memcmp(made[0].shapes, made[1].shapes, 4 * (size_t)made[0].count) == 0);
+    CHECK(memcmp(made[0].errors, made[1].errors, 4 * (size_t)made[0].count) == 0);
     for (int i = 0; i < 2; ++i) {
         stp_splats_destroy(contexts[i], &made[i]);
         stp_context_destroy(contexts[i]);
@@ -159,7 +184,7 @@ void test_spt_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
     make_samples(&from);
-    stp_spt_desc desc = {.tree = stp_method_options_default().tree};
+    stp_spt_desc desc = {.tree = {STP_TREE_SPLIT, 255}};
     bool made = false;
     int failures = 0;
     for (int n = 0; !made && n < 200; ++n) {

@@ -84,7 +84,7 @@ static void make(made* m)
 {
     stp_tree_desc desc = stp_method_options_default().tree;
     m->results[0] = stp_point_tree_make(m->context, &m->from->points, &desc, &m->tree);
-    m->results[1] = stp_point_sequence_make(m->context, &m->tree, 0.01, &m->sequence);
+    m->results[1] = stp_point_sequence_make(m->context, &m->tree, 0.01, true, &m->sequence);
     stp_spt_desc all = {.tree = desc, .corners = m->from->corners, .triangle_count = 1};
     m->results[2] = stp_spt_make(m->context, &m->from->set, &all, &m->set);
 }

@@ -36,9 +36,10 @@ static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint
     set->coverages = stp_arena_alloc(arena, entries);
     set->shapes = stp_arena_alloc(arena, 4 * count);
     set->ranges = stp_arena_alloc(arena, 4 * count);
-    if (set->shapes == NULL || set->ranges == NULL || set->positions == NULL ||
-        set->normals == NULL || set->materials == NULL || set->colors == NULL ||
-        set->coverages == NULL) {
+    set->errors = stp_arena_alloc(arena, 4 * count);
+    if (set->shapes == NULL || set->ranges == NULL || set->errors == NULL ||
+        set->positions == NULL || set->normals == NULL || set->materials == NULL ||
+        set->colors == NULL || set->coverages == NULL) {
         return false;
     }
     fill(seed, set->positions, 6 * count, seed == 0 ? 0 : 256);
@@ -49,9 +50,11 @@ static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint
     for (size_t i = 0; i < count; ++i) {
         set->shapes[i] = (uint32_t)stp_rng_hash(seed + 5, i) & 0xFF0007FFu;
         set->ranges[i] = ((uint32_t)stp_rng_hash(seed + 6, i) & 0x3FFFu) | 0x40000000u;
+        set->errors[i] = (uint32_t)stp_rng_hash(seed + 7, i) & 0x0F0FFFFFu;
     }
     set->shapes = (columns & STP_SPLATS_SHAPES) != 0 ? set->shapes : NULL;
     set->ranges = (columns & STP_SPLATS_RANGES) != 0 ? set->ranges : NULL;
+    set->errors = (columns & STP_SPLATS_ERRORS) != 0 ? set->errors : NULL;
     return true;
 }
 
@@ -99,5 +102,6 @@ bool chunk_sample_is_same(const stp_splats* a, const stp_splats* b)
            memcmp(a->colors, b->colors, 3 * entries) == 0 &&
            memcmp(a->coverages, b->coverages, entries) == 0 && a->columns == b->columns &&
            (a->shapes == NULL || memcmp(a->shapes, b->shapes, 4 * (size_t)a->count) == 0) &&
-           (a->ranges == NULL || memcmp(a->ranges, b->ranges, 4 * (size_t)a->count) == 0);
+           (a->ranges == NULL || memcmp(a->ranges, b->ranges, 4 * (size_t)a->count) == 0) &&
+           (a->errors == NULL || memcmp(a->errors, b->errors, 4 * (size_t)a->count) == 0);
 }

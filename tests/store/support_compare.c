@@ -182,7 +182,8 @@ static bool same_splats(const stp_splats* a, stp_store* store, uint32_t index)
              same_bytes(a->normals, b.normals, 2 * n) && same_bytes(a->materials, b.materials, n) &&
              same_bytes(a->colors, b.colors, 3 * entries) &&
              same_bytes(a->coverages, b.coverages, entries) &&
-             same_bytes(a->shapes, b.shapes, 4 * n) && same_bytes(a->ranges, b.ranges, 4 * n)));
+             same_bytes(a->shapes, b.shapes, 4 * n) && same_bytes(a->ranges, b.ranges, 4 * n) &&
+             same_bytes(a->errors, b.errors, 4 * n)));
 }
 
 const char* sample_difference(const stp_store_content* content, stp_store* store)

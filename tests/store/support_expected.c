@@ -259,6 +259,9 @@ static json_t* expected_splat_sets(const stp_store_content* content)
             if (s->ranges != NULL) {
                 json_object_set_new(columns, "ranges", json_integer(crc(s->ranges, 4 * n)));
             }
+            if (s->errors != NULL) {
+                json_object_set_new(columns, "errors", json_integer(crc(s->errors, 4 * n)));
+            }
         }
         json_t* set = json_pack("{s:I s:f s:o s:o s:o s:I s:f s:f}", "count", (json_int_t)n, "step",
                                 (double)s->step, "origin", triple(stp_to_double(s->origin)),

@@ -144,13 +144,16 @@ static void break_field(fixture* f, int field)
         set->columns = STP_SPLATS_RANGES;
         break;
     case 6: // undefined columns
-        f->methods[1].columns = 8;
+        f->methods[1].columns = STP_SPLATS_COLUMNS + 1;
         break;
     case 7: // a missing column
         set->columns = f->methods[1].columns = f->made.sets[2].columns = STP_SPLATS_SHAPES;
         break;
     case 8: // a set with two nodes, and one without
         f->sets[3] = 1;
+        break;
+    case 9: // errors without ranges
+        f->methods[1].columns = STP_SPLATS_ERRORS;
         break;
     default: // no name
         f->methods[0].name = "";
@@ -163,7 +166,7 @@ void test_invalid_methods_are_refused(test_state* test)
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    for (int field = 0; field <= 9; ++field) {
+    for (int field = 0; field <= 10; ++field) {
         fixture f;
         unsigned char* bytes;
         stp_store* store;
@@ -194,6 +197,34 @@ void test_splat_codes_never_shrink(test_state* test)
     CHECK(!stp_range_is_valid(0xFF010000u)); // not a number
     CHECK(!stp_shape_is_valid(0x00FFFu));    // not finite
     CHECK(!stp_shape_is_valid(0x00002001u)); // smaller radius above the larger
+}
+
+// A set's errors are joined octave by octave, like its other columns.
+void test_errors_of_splats_are_stored(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    chunk_sample made;
+    unsigned char* bytes = NULL;
+    stp_store* store = NULL;
+    CHECK(chunk_sample_make(&arena, 3, &made));
+    CHECK((made.method.columns & STP_SPLATS_ERRORS) != 0);
+    CHECK_EQUAL(STP_OK, write_and_open(context, &made.content, &bytes, &store));
+    for (uint32_t i = 0; i < CHUNK_SAMPLE_SETS; ++i) {
+        for (uint32_t octaves = 1; octaves <= made.sets[i].octave_count; ++octaves) {
+            stp_splats got;
+            CHECK_EQUAL(STP_OK, stp_store_get_splat_set_prefix(store, i, octaves, &got));
+            CHECK(got.count == made.sets[i].octave_ends[octaves - 1] && got.errors != NULL);
+            CHECK(memcmp(got.errors, made.sets[i].errors, 4 * (size_t)got.count) == 0);
+        }
+    }
+    stp_store_check_report report;
+    CHECK_EQUAL(STP_OK, stp_store_check_open(store, false, &report));
+    stp_store_close(store);
+    free(bytes);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
 }
 
 // Invalid shapes and ranges are rejected by the writer, and by a reader of a changed file.

@@ -10,6 +10,11 @@
 //           In sets that mark splats replaced by large triangles, bit 31 of a disk is that mark,
 //           and a spread of 127 means 1 or unbounded.
 //   range   bits 0-15: lowest level at which the splat is drawn; 16-31: highest.
+//   errors  split errors (Dachsbacher et al. 2003, 3.5): by which shares a view direction lowers the
+//           two levels of the range. Bits 0-3: share of the lowest level seen along the disk
+//           (perpendicular error); 4-7: seen along the normal (tangential error); 8-11 and 12-15:
+//           shares of the highest level, which depends on the parent's disk; 16-31: the parent's
+//           normal, octahedral. A share q means (q + 5) / 20.
 #pragma once
 
 #include "base/math/math.h"
@@ -142,4 +147,38 @@ static inline bool stp_shape_is_valid(uint32_t code)
 {
     uint32_t larger = code & 0xFFFu, smaller = code >> 12 & 0xFFFu;
     return larger != STP_SHAPE_NOT_FINITE && smaller <= larger;
+}
+
+enum {
+    STP_ERROR_STEPS = 20,       ///< of the share 1
+    STP_ERROR_SHARE_FIRST = 5,  ///< steps of the lowest share, which has the code 0
+    STP_ERROR_SHARE_WHOLE = 15, ///< code of the share 1
+};
+
+/// Code of a share of whole or broken steps, rounded up.
+static inline uint32_t stp_error_share_code(double steps)
+{
+    double code = ceil(steps) - (double)STP_ERROR_SHARE_FIRST;
+    assert(!isnan(code));
+    code = code > 0.0 ? code : 0.0;
+    return code < (double)STP_ERROR_SHARE_WHOLE ? (uint32_t)code : STP_ERROR_SHARE_WHOLE;
+}
+
+/// Share of a level that remains in a view, from two codes of shares: that of a disk seen along its
+/// plane, and along its normal.
+/// @param normal of any length but 0
+/// @param sight towards the eye or away from it, of any length
+static inline float stp_error_share(uint32_t along_plane, uint32_t along_normal, stp_vec3 normal,
+                                    stp_vec3 sight)
+{
+    float along = fabsf((normal.x * sight.x + normal.y * sight.y) + normal.z * sight.z);
+    float square = ((normal.x * normal.x + normal.y * normal.y) + normal.z * normal.z) *
+                   ((sight.x * sight.x + sight.y * sight.y) + sight.z * sight.z);
+    float cosine = along / sqrtf(square);
+    cosine = cosine < 1.0f ? cosine : 1.0f; // also if the eye is at the splat
+    float sine = sqrtf(1.0f - cosine * cosine);
+    float steps = (float)(int32_t)(along_plane + STP_ERROR_SHARE_FIRST) * sine +
+                  (float)(int32_t)(along_normal + STP_ERROR_SHARE_FIRST) * cosine;
+    float share = steps * (1.0f / (float)STP_ERROR_STEPS);
+    return share < 1.0f ? share : 1.0f;
 }

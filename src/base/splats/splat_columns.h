@@ -54,7 +54,8 @@ enum {
     STP_SPLATS_RANGES = 2,      ///< each splat is drawn within a range of levels
     STP_SPLATS_FLAT_COLORS = 4, ///< one colour and coverage per splat, no pyramid
     STP_SPLATS_REPLACED = 8,    ///< disk shapes mark the splats that large triangles replace
-    STP_SPLATS_COLUMNS = 15,    ///< all bits that this version supports
+    STP_SPLATS_ERRORS = 16,     ///< ranges depend on the view direction; requires ranges
+    STP_SPLATS_COLUMNS = 31,    ///< all bits that this version supports
 };
 
 /// Maximum slope of levels over depth: level ranges of neighbouring splats overlap by this share of
@@ -117,6 +118,7 @@ typedef struct stp_splats {
     uint32_t columns;        ///< STP_SPLATS_*
     uint32_t* shapes;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
     uint32_t* ranges;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
+    uint32_t* errors;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
     stp_splat_group* groups; ///< NULL, or 1 per STP_GROUP_SPLATS splats
     /// NULL, or the set's leaves, along a Morton curve; their counts assign splats to leaves
     /// (src/base/splats/leaf_runs.h). For sets of a store, see stp_store_get_leaves.

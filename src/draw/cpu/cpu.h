@@ -49,8 +49,8 @@ typedef struct stp_cpu_splats {
     const uint16_t* positions;
     const int8_t* normals;
     const uint8_t* materials;
-    const uint32_t *shapes, *ranges; ///< NULL: none
-    const stp_splat_group* groups;   ///< NULL: none
+    const uint32_t *shapes, *ranges, *errors; ///< NULL: none
+    const stp_splat_group* groups;            ///< NULL: none
     bool plain_coverages, unknown_signs;
 } stp_cpu_splats;
 

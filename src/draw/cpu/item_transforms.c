@@ -182,6 +182,7 @@ static stp_result find_splat_set(stp_cpu_renderer* r, const stp_draw_item* draw,
                                     .materials = got.materials,
                                     .shapes = got.shapes,
                                     .ranges = got.ranges,
+                                    .errors = got.errors,
                                     .groups = got.groups,
                                     .plain_coverages = got.plain_coverages,
                                     .unknown_signs = known->unknown_signs};

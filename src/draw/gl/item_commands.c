@@ -6,6 +6,7 @@
 #include "draw/gl/upload.h"
 #include "draw/placement.h"
 #include "draw/transparency.h"
+#include "raster/splat_groups.h"
 #include "raster/splats_kernel.h"
 
 #include <assert.h>
@@ -209,6 +210,9 @@ static void place_splats(const stp_gl_renderer* r, const stp_gl_placed* placed,
     item->back_depth = frame.back_depth;
     item->near_w = frame.near_w;
     item->far_w = frame.far_w;
+    if ((item->flags & ITEM_ERRORS) != 0) {
+        stp_raster_find_eye(&where->camera, &splats, item->eye);
+    }
 }
 
 /// Position of an item, for the placement's shift.

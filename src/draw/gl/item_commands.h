@@ -41,7 +41,7 @@ STP_MUST_USE stp_result stp_gl_splat_groups_make(stp_gl_renderer* r, uint32_t in
 typedef struct stp_gl_splat_chunk {
     uint32_t begin, end;            ///< index in the item
     uint32_t places, place_words;   ///< address of the first, and words per splat
-    uint32_t options, option_words; ///< the same for shapes and ranges
+    uint32_t options, option_words; ///< the same for shapes, ranges and errors
     bool of_materials;              ///< `options` is the address of materials, a byte each
     float reach;                    ///< maximum radius, relative to the item's
 } stp_gl_splat_chunk;

@@ -261,6 +261,9 @@ stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index)
         item->level_below = draw->level_below;
         item->divide = draw->divide;
     }
+    if ((known->columns & STP_SPLATS_ERRORS) != 0) {
+        item->flags |= ITEM_ERRORS;
+    }
     uint32_t prefix = draw->prefix < known->count ? draw->prefix : known->count;
     set_octaves octaves;
     if (prefix == 0) {

@@ -151,7 +151,7 @@ static void write_places(const stp_splats* splats, uint32_t begin, uint32_t end,
     }
 }
 
-/// Writes shape and range of each splat, if the set has them.
+/// Writes shape, range and errors of each splat, if the set has them.
 static void write_options(const stp_splats* splats, uint32_t begin, uint32_t end, stp_gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
@@ -161,13 +161,17 @@ static void write_options(const stp_splats* splats, uint32_t begin, uint32_t end
         if (splats->ranges != NULL) {
             stp_gl_write(w, splats->ranges[i]);
         }
+        if (splats->errors != NULL) {
+            stp_gl_write(w, splats->errors[i]);
+        }
     }
 }
 
 uint32_t stp_gl_option_words(const stp_splats* splats)
 {
     return ((splats->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
-           ((splats->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
+           ((splats->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u) +
+           ((splats->columns & STP_SPLATS_ERRORS) != 0 ? 1u : 0u);
 }
 
 static void write_colors(const stp_splats* splats, uint64_t begin, uint32_t count, stp_gl_writer* w)

@@ -25,7 +25,7 @@ typedef enum stp_gl_upload {
     GL_UPLOAD_FAILED,  ///< reading the store failed, or the context is lost; logged
 } stp_gl_upload;
 
-/// Words per splat of shapes and ranges, which follow an octave's positions and materials.
+/// Words per splat of shapes, ranges and errors, which follow an octave's positions and materials.
 uint32_t stp_gl_option_words(const stp_splats* splats);
 
 /// Requests octave `octave` of a set: the positions of its own splats, or the colours of all

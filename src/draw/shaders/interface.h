@@ -95,12 +95,15 @@
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
 #define ITEM_UNSIGNED 512u         // the signs of its normals are unknown
 #define ITEM_GROWTHS 1024u         // splats have radii by their shadings
+#define ITEM_ERRORS 2048u          // the view direction lowers the levels of ranges
 #define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
 
-// Radii in codes of shapes (base/splats/splat_codes.h).
+// Radii in codes of shapes, and shares in codes of errors (base/splats/splat_codes.h).
 #define SHAPE_BIAS 0x3E800000u
+#define ERROR_SHARE_FIRST 5u
+#define ERROR_STEPS 20.0
 
 // Alpha of materials (stp_store_alpha).
 #define ALPHA_OPAQUE 0u
@@ -190,7 +193,8 @@ struct item_block {
     float level_below;      // level of splats before `divide`, at any depth
     uint divide;
     float pixels; // added to the radius on the screen
-    float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it
+    float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it;
+                  // splats with errors: in grid coordinates; in parallel, the view direction
     float growth_share; // splats: radii are multiplied by 1 + growth of the shading * this
     float item_spare[3];
 };
@@ -203,7 +207,7 @@ struct record_block {
     float share;  // drawn share of a cluster's triangles; ITEM_GROWTHS: byte of the first material
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
-    uint options;            // splats: address of the first splat's shape and range, or material
+    uint options;            // splats: address of the first splat's shape, range and errors, or material
 };
 
 // A chunk: consecutive splats of an item, from the previous chunk's end to `end`.

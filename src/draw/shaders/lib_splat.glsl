@@ -100,11 +100,37 @@ vec3 shape_smaller(vec2 code, uint shape)
     return clip_direction(code, vec4(-sin(turn), cos(turn), 0.0, 0.0));
 }
 
-// Shape and range of a splat at depth w.
-void find_options(const record_block record, const item_block item, uint local, inout splat_place splat)
+// Share of a level that remains in a view, from two codes of shares (base/splats/splat_codes.h).
+float error_share(uint along_plane, uint along_normal, vec3 n, vec3 sight)
+{
+    precise float along = abs((n.x * sight.x + n.y * sight.y) + n.z * sight.z);
+    precise float square = ((n.x * n.x + n.y * n.y) + n.z * n.z) *
+                           ((sight.x * sight.x + sight.y * sight.y) + sight.z * sight.z);
+    precise float cosine = square > 0.0 ? min(along / sqrt(square), 1.0) : 1.0;
+    precise float sine = sqrt(1.0 - cosine * cosine);
+    precise float steps = float(along_plane + ERROR_SHARE_FIRST) * sine + float(along_normal + ERROR_SHARE_FIRST) * cosine;
+    precise float share = steps * (1.0 / ERROR_STEPS);
+    return min(share, 1.0);
+}
+
+// Whether a level is in the range of the splat at p, as the view direction lowers it.
+bool is_within(const item_block item, float level, uint range, uint errors, vec2 code, vec3 p)
+{
+    precise vec3 sight = vec3(item.eye[0], item.eye[1], item.eye[2]) - (view.parallel != 0u ? vec3(0.0) : p);
+    vec2 parent = vec2(float(bitfieldExtract(int(errors), 16, 8)), float(bitfieldExtract(int(errors), 24, 8)));
+    float own = error_share(errors & 15u, errors >> 4 & 15u, decode_octahedral(code, 127.0), sight);
+    float above = error_share(errors >> 8 & 15u, errors >> 12 & 15u, decode_octahedral(parent, 127.0), sight);
+    precise float lowest = own * uintBitsToFloat((range & 0xFFFFu) << 15);
+    precise float highest = above * uintBitsToFloat(range >> 16 << 15);
+    return level >= lowest && level <= highest;
+}
+
+// Shape and range of a splat at p, and depth w.
+void find_options(const record_block record, const item_block item, uint local, vec3 p, inout splat_place splat)
 {
     bool shapes = (item.flags & ITEM_SHAPES) != 0u, ranges = (item.flags & ITEM_RANGES) != 0u;
-    uint at = record.options + local * (uint(shapes) + uint(ranges));
+    bool errors = (item.flags & ITEM_ERRORS) != 0u;
+    uint at = record.options + local * (uint(shapes) + uint(ranges) + uint(errors));
     splat.there = true;
     splat.own = 1.0;
     splat.shape = 0u;
@@ -126,7 +152,11 @@ void find_options(const record_block record, const item_block item, uint local, 
         precise float level = max(item.level_per_depth * splat.w, item.level_min);
         // bits of floats that are not negative sort like the floats
         int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level);
-        splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
+        bool within = bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
+        if (errors && item.level_min == 0.0) { // else the level is a cut of the whole ranges
+            within = is_within(item, level, range, fetch(at + 1u), splat.code, p);
+        }
+        splat.there = splat.there && within;
     }
 }
 
@@ -181,7 +211,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     bool hidden = item.kind == KIND_POINTS && p.x >= HIDDEN_PLACE;
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
-    find_options(record, item, local, splat);
+    find_options(record, item, local, p, splat);
     splat.there = splat.there && !(view.front_only != FRONT_ONLY_NONE && is_back(record, item, local, splat));
     precise float inverse = 1.0 / splat.w, radius = (item.radius_px * inverse + item.pixels) * splat.own;
     uint index = record.first + local;

@@ -2,6 +2,7 @@
 #include "lod/spt/sequence.h"
 
 #include "base/core/sort.h"
+#include "lod/spt/split_errors.h"
 
 #include <assert.h>
 #include <string.h>
@@ -19,6 +20,16 @@ static float round_up(double x)
     return (double)nearest < x ? nextafterf(nearest, HUGE_VALF) : nearest;
 }
 
+float stp_point_sequence_highest(const stp_point_tree* tree, uint32_t parent, uint32_t child,
+                                 double max_allowed)
+{
+    assert(parent < child && child < tree->ends[parent]);
+    double apart = distance_between(stp_to_double(tree->disks[child].center),
+                                    stp_to_double(tree->disks[parent].center));
+    // slightly more, to allow for the rounding of levels
+    return round_up(((double)tree->errors[parent] + apart * max_allowed) * (1.0 + 1e-9));
+}
+
 // Bits of a nonnegative float, which sort like the float.
 static uint32_t bits_of(float x)
 {
@@ -33,6 +44,7 @@ enum { GRAIN = 8192 }; ///< nodes
 typedef struct maker {
     const stp_point_tree* tree;
     double max_allowed;
+    bool split;
     stp_point_sequence* sequence;
     float* highest;           ///< per node
     uint64_t *keys, *scratch; ///< per node
@@ -46,12 +58,9 @@ static void find_highest(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_point_tree* tree = m->tree;
     (void)worker;
     for (uint32_t parent = (uint32_t)begin; parent < end; ++parent) {
+        double allowed = m->max_allowed * (m->split ? stp_split_overlap(tree, parent) : 1.0);
         for (uint32_t c = parent + 1; c < tree->ends[parent]; c = tree->ends[c]) {
-            double apart = distance_between(stp_to_double(tree->disks[c].center),
-                                            stp_to_double(tree->disks[parent].center));
-            // slightly more, to allow for the rounding of levels
-            m->highest[c] =
-                round_up(((double)tree->errors[parent] + apart * m->max_allowed) * (1.0 + 1e-9));
+            m->highest[c] = stp_point_sequence_highest(tree, parent, c, allowed);
             m->keys[c] = (uint64_t)~bits_of(m->highest[c]) << 32 | c;
         }
     }
@@ -92,7 +101,7 @@ static stp_result fill(stp_context* context, maker* m)
 }
 
 stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
-                                   double max_allowed, stp_point_sequence* sequence)
+                                   double max_allowed, bool split, stp_point_sequence* sequence)
 {
     assert(max_allowed >= 0.0);
     size_t count = tree->count;
@@ -106,6 +115,7 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
     maker m = {
         .tree = tree,
         .max_allowed = max_allowed,
+        .split = split,
         .sequence = sequence,
         .highest = STP_NEW_ARRAY(context, float, count + 1),
         .keys = STP_NEW_ARRAY(context, uint64_t, count + 1),

@@ -19,9 +19,15 @@ typedef struct stp_point_sequence {
 } stp_point_sequence;
 
 /// @param max_allowed maximum stp_tree_view.allowed of any view; larger values cause more overlap
+/// @param split the ranges are those of split errors: they overlap more (split_errors.h)
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
-                                                double max_allowed, stp_point_sequence* sequence);
+                                                double max_allowed, bool split,
+                                                stp_point_sequence* sequence);
+/// Highest level of a child: its parent's error, and how far their levels can differ in views that
+/// allow up to `max_allowed`.
+float stp_point_sequence_highest(const stp_point_tree* tree, uint32_t parent, uint32_t child,
+                                 double max_allowed);
 void stp_point_sequence_destroy(stp_context* context, stp_point_sequence* sequence);
 
 /// The part of a sequence that a view may select from.

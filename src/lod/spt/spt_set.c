@@ -8,6 +8,7 @@
 #include "lod/set_columns.h"
 #include "lod/spt/node_splats.h"
 #include "lod/spt/sequence.h"
+#include "lod/spt/split_errors.h"
 
 #include <assert.h>
 #include <string.h>
@@ -25,7 +26,9 @@ typedef struct spt_maker {
     stp_method_samples points; ///< samples as points
     stp_point_tree tree;
     stp_point_sequence sequence;
+    double max_allowed;       ///< of the sequence
     stp_node_splat* nodes;    ///< splats of the tree's nodes
+    uint32_t* errors;         ///< codes of the tree's nodes; NULL: no split errors
     uint64_t *keys, *scratch; ///< key, and place in the sequence in the lower 32 bits
     const uint64_t* arranged; ///< sorted keys: `keys` or `scratch`, in the order of the splats
 } spt_maker;
@@ -33,9 +36,10 @@ typedef struct spt_maker {
 static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
 {
     stp_result result = stp_point_tree_make(m->context, &m->points.points, desc, &m->tree);
-    if (result == STP_OK) { // levels are half errors
-        result = stp_point_sequence_make(m->context, &m->tree, 2.0 * (double)STP_LEVEL_SLOPE,
-                                         &m->sequence);
+    m->max_allowed = 2.0 * (double)STP_LEVEL_SLOPE; // levels are half errors
+    if (result == STP_OK) {
+        result = stp_point_sequence_make(m->context, &m->tree, m->max_allowed,
+                                         desc->error == STP_TREE_SPLIT, &m->sequence);
     }
     return result;
 }
@@ -55,6 +59,13 @@ static stp_result make_nodes(spt_maker* m, const stp_spt_desc* desc)
         result = stp_node_splats_make(m->context, &m->tree, &m->points, &nodes, &m->nodes);
     }
     stp_free(m->context, replaced);
+    if (result == STP_OK && desc->tree.error == STP_TREE_SPLIT) {
+        m->errors = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->tree.count);
+        if (m->errors == NULL) {
+            return stp_fail_memory(m->context);
+        }
+        stp_split_errors_make(m->context, &m->tree, m->nodes, m->max_allowed, m->errors);
+    }
     return result;
 }
 
@@ -124,6 +135,9 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
         s->coverages[i] = node->coverage;
         s->shapes[i] = node->shape | (is_replaced(m, node, at) ? STP_SHAPE_REPLACED : 0u);
         s->ranges[i] = find_range(m, at);
+        if (m->errors != NULL) {
+            s->errors[i] = m->errors[m->sequence.nodes[at]];
+        }
     }
 }
 
@@ -133,7 +147,6 @@ static stp_result make(spt_maker* m, const stp_spt_desc* desc)
     stp_result result = stp_method_samples_take(m->context, m->samples, &m->points);
     result = result == STP_OK ? make_tree(m, &desc->tree) : result;
     result = result == STP_OK ? make_nodes(m, desc) : result;
-    s->columns = STP_SPLATS_COLUMNS;
     s->origin = m->samples->origin;
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
@@ -156,7 +169,10 @@ stp_result stp_spt_make(stp_context* context, const stp_splats* samples, const s
                         stp_splats* splats)
 {
     spt_maker m = {.context = context, .samples = samples, .splats = splats};
-    *splats = (stp_splats){.columns = STP_SPLATS_COLUMNS};
+    *splats = (stp_splats){.columns = STP_SPT_COLUMNS};
+    if (desc->tree.error == STP_TREE_SPLIT) {
+        splats->columns |= STP_SPLATS_ERRORS;
+    }
     if (samples->count == 0) {
         return STP_OK;
     }
@@ -164,6 +180,7 @@ stp_result stp_spt_make(stp_context* context, const stp_splats* samples, const s
     stp_point_sequence_destroy(context, &m.sequence);
     stp_point_tree_destroy(context, &m.tree);
     stp_free(context, m.nodes);
+    stp_free(context, m.errors);
     stp_free(context, m.keys);
     stp_free(context, m.scratch);
     stp_method_samples_destroy(context, &m.points);

@@ -6,6 +6,12 @@
 #include "base/splats/splat_columns.h"
 #include "lod/spt/point_tree.h"
 
+/// Columns of all sets of the method. With STP_TREE_SPLIT, sets have STP_SPLATS_ERRORS too.
+enum {
+    STP_SPT_COLUMNS =
+        STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS | STP_SPLATS_REPLACED
+};
+
 typedef struct stp_spt_desc {
     stp_tree_desc tree;
     const float* corners; ///< 9 floats per large triangle of the node (node_splats.h)

@@ -10,7 +10,7 @@
 enum {
     COLOR_BYTES = 4,  ///< a splat's colour and coverage
     PLACE_BYTES = 9,  ///< a splat's position, normal and material
-    OPTION_BYTES = 4, ///< a splat's shape, or its range
+    OPTION_BYTES = 4, ///< a splat's shape, its range, or its errors
     COLORS_MAX = STP_STORE_CHUNK_BYTES / COLOR_BYTES,
 };
 
@@ -38,10 +38,15 @@ static uint32_t range_bytes(const stp_store_octave_span* span)
     return (span->columns & STP_SPLATS_RANGES) != 0 ? OPTION_BYTES : 0;
 }
 
+static uint32_t error_bytes(const stp_store_octave_span* span)
+{
+    return (span->columns & STP_SPLATS_ERRORS) != 0 ? OPTION_BYTES : 0;
+}
+
 /// Bytes of a splat in all columns of an octave.
 static uint32_t bytes_per_splat(const stp_store_octave_span* span)
 {
-    return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span);
+    return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span) + error_bytes(span);
 }
 
 /// Chunks that hold only colours, of splats of earlier octaves.
@@ -103,6 +108,7 @@ static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint3
     sizes[STP_OCTAVE_COVERAGES] = colors;
     sizes[STP_OCTAVE_SHAPES] = shape_bytes(span) * places;
     sizes[STP_OCTAVE_RANGES] = range_bytes(span) * places;
+    sizes[STP_OCTAVE_ERRORS] = error_bytes(span) * places;
     return (bytes_per_splat(span) - COLOR_BYTES) * places + COLOR_BYTES * colors;
 }
 

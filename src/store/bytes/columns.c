@@ -61,6 +61,7 @@ uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
         [STP_OCTAVE_COVERAGES] = entries,
         [STP_OCTAVE_SHAPES] = (splats->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0,
         [STP_OCTAVE_RANGES] = (splats->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0,
+        [STP_OCTAVE_ERRORS] = (splats->columns & STP_SPLATS_ERRORS) != 0 ? 4 * n : 0,
     };
     return place(columns, sizes, STP_OCTAVE_COLUMNS, 1);
 }

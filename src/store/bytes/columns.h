@@ -7,7 +7,7 @@
 
 #include <assert.h>
 
-enum { STP_STORE_COLUMN_LIMIT = 7 };
+enum { STP_STORE_COLUMN_LIMIT = 8 };
 
 /// A column: a byte range of a block. Absent ones have size 0.
 typedef struct stp_store_column {
@@ -39,6 +39,7 @@ typedef enum stp_store_octave_column {
     STP_OCTAVE_COVERAGES,
     STP_OCTAVE_SHAPES,
     STP_OCTAVE_RANGES,
+    STP_OCTAVE_ERRORS,
     STP_OCTAVE_COLUMNS
 } stp_store_octave_column;
 

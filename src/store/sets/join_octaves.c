@@ -51,7 +51,7 @@ void stp_store_free_columns(stp_context* context, stp_store_set_record* record)
     record->splats.materials = NULL;
     record->splats.colors = NULL;
     record->splats.coverages = NULL;
-    record->splats.shapes = record->splats.ranges = NULL;
+    record->splats.shapes = record->splats.ranges = record->splats.errors = NULL;
     record->splats.groups = NULL;
 }
 
@@ -68,6 +68,7 @@ void stp_store_set_columns(stp_store_set_record* record, stp_store_joined* joine
     record->splats.coverages = columns->coverages;
     record->splats.shapes = columns->shapes;
     record->splats.ranges = columns->ranges;
+    record->splats.errors = columns->errors;
     record->splats.groups = columns->groups;
 }
 
@@ -97,6 +98,7 @@ static void measure_columns(const stp_splats* splats, uint32_t octave_count,
     sizes[STP_OCTAVE_SHAPES] = (splats->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0;
     bool ranges = (splats->columns & STP_SPLATS_RANGES) != 0;
     sizes[STP_OCTAVE_RANGES] = ranges ? 4 * n : 0;
+    sizes[STP_OCTAVE_ERRORS] = (splats->columns & STP_SPLATS_ERRORS) != 0 ? 4 * n : 0;
     sizes[JOINED_GROUPS] = ranges ? stp_store_group_count(n) * sizeof(stp_splat_group) : 0;
 }
 
@@ -138,6 +140,8 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* sp
     bool ranges = (splats->columns & STP_SPLATS_RANGES) != 0;
     splats->shapes = shapes ? (uint32_t*)(void*)(memory + offsets[STP_OCTAVE_SHAPES]) : NULL;
     splats->ranges = ranges ? (uint32_t*)(void*)(memory + offsets[STP_OCTAVE_RANGES]) : NULL;
+    bool errors = (splats->columns & STP_SPLATS_ERRORS) != 0;
+    splats->errors = errors ? (uint32_t*)(void*)(memory + offsets[STP_OCTAVE_ERRORS]) : NULL;
     splats->groups = ranges ? (stp_splat_group*)(void*)(memory + offsets[JOINED_GROUPS]) : NULL;
     return (stp_store_joined*)(void*)memory;
 }
@@ -160,6 +164,9 @@ void stp_store_copy_columns(const stp_splats* splats, const stp_splats* before,
         memcpy(splats->ranges, before->ranges, (size_t)sizes[STP_OCTAVE_RANGES]);
         memcpy(splats->groups, before->groups, (size_t)sizes[JOINED_GROUPS]);
     }
+    if (splats->errors != NULL) {
+        memcpy(splats->errors, before->errors, (size_t)sizes[STP_OCTAVE_ERRORS]);
+    }
 }
 
 void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
@@ -175,6 +182,7 @@ void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
     targets[STP_OCTAVE_COVERAGES] = splats->coverages + entry;
     targets[STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + first : NULL;
     targets[STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + first : NULL;
+    targets[STP_OCTAVE_ERRORS] = splats->errors != NULL ? splats->errors + first : NULL;
 }
 
 const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t index,

@@ -50,6 +50,9 @@ static const char* find_fault(const stp_store_directory* d, uint32_t index, uint
     if ((method->columns & ~(uint32_t)STP_SPLATS_COLUMNS) != 0) {
         return "has columns that this version does not define";
     }
+    if ((method->columns & STP_SPLATS_ERRORS) != 0 && (method->columns & STP_SPLATS_RANGES) == 0) {
+        return "has errors but no ranges";
+    }
     return NULL;
 }
 
@@ -134,8 +137,10 @@ stp_result stp_store_validate_methods(const stp_store_validator* validator,
             const stp_splats* set = &content->sets[d->methods[m].first_set + i];
             bool shapes = (set->columns & STP_SPLATS_SHAPES) != 0;
             bool ranges = (set->columns & STP_SPLATS_RANGES) != 0;
+            bool errors = (set->columns & STP_SPLATS_ERRORS) != 0;
             bool there = set->count == 0 ||
-                         ((set->shapes != NULL || !shapes) && (set->ranges != NULL || !ranges));
+                         ((set->shapes != NULL || !shapes) && (set->ranges != NULL || !ranges) &&
+                          (set->errors != NULL || !errors));
             if (set->columns != d->methods[m].columns || !there) {
                 return stp_fail(validator->context, validator->failure,
                                 "%s: splat set %u: its columns differ from its method's",

@@ -89,6 +89,7 @@ static size_t gather(const stp_splats* splats, const stp_store_block* block,
         [STP_OCTAVE_COVERAGES] = splats->coverages + entry,
         [STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + place : NULL,
         [STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + place : NULL,
+        [STP_OCTAVE_ERRORS] = splats->errors != NULL ? splats->errors + place : NULL,
     };
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
