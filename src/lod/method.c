@@ -15,6 +15,10 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< per sample
+    COARSE_VERSION = 1,
+    COARSE_SAMPLES = 2048, ///< the first surfels of a set
+    COARSE_SPLATS = 512,   ///< at most, of a state
+    COARSE_SHARE = 4,      ///< of small sets, a quarter: more are drawn as disks
     STOCHASTIC_VERSION = 5,
     STOCHASTIC_BYTES = 120, ///< per sample
     SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
@@ -70,7 +74,38 @@ static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
 static stp_result make_psp(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_splats* splats)
 {
-    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, splats);
+    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, 0,
+                        splats);
+}
+
+static stp_hash hash_coarse(stp_hash key, const stp_method_options* options)
+{
+    const uint32_t all[] = {COARSE_VERSION, PSP_VERSION, COARSE_SAMPLES, COARSE_SPLATS};
+    (void)options;
+    key = stp_hash_bytes(key, "coarse", 6);
+    return stp_hash_bytes(key, all, sizeof(all));
+}
+
+static uint64_t coarse_bytes(uint64_t samples, uint64_t triangles)
+{
+    return psp_bytes(samples < COARSE_SAMPLES ? samples : COARSE_SAMPLES, triangles);
+}
+
+static stp_result make_coarse(stp_context* context, const stp_method_source* source,
+                              const stp_method_options* options, stp_splats* splats)
+{
+    stp_splats few = *source->samples;
+    uint32_t limit = few.count / COARSE_SHARE < COARSE_SPLATS ? few.count / COARSE_SHARE : COARSE_SPLATS;
+    (void)options;
+    if (few.count > COARSE_SAMPLES) { // with the colours and coverages of their own octave
+        few.octave_count = 1;
+        while (few.octave_ends[few.octave_count - 1] < COARSE_SAMPLES) {
+            few.octave_count += 1;
+        }
+        few.octave_ends[few.octave_count - 1] = few.count = COARSE_SAMPLES;
+    }
+    return stp_psp_make(context, &few, source->two_sided, STP_PSP_REGIONS, limit > 0 ? limit : 1,
+                        splats);
 }
 
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
@@ -149,6 +184,14 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .make = make_stochastic,
      .make_alone = make_stochastic_alone},
 };
+
+const stp_method stp_method_coarse = {.name = "coarse",
+                                      .title = "Coarse ellipses",
+                                      .id = STP_METHOD_COARSE,
+                                      .columns = STP_PSP_COLUMNS,
+                                      .hash = hash_coarse,
+                                      .bytes = coarse_bytes,
+                                      .make = make_coarse};
 
 const stp_method* stp_method_by_name(const char* name)
 {

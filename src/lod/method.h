@@ -58,6 +58,10 @@ enum { STP_METHOD_COUNT = 4 };
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];
 
-/// Finds a method by name or id. @return NULL if there is none
+/// Ellipses for few splats (docs/algorithms/finish.md, Few splats). The build makes them beside
+/// `blue`; users do not choose them, so they are not in the table.
+extern const stp_method stp_method_coarse;
+
+/// Finds a method of the table by name or id. @return NULL if there is none
 const stp_method* stp_method_by_name(const char* name);
 const stp_method* stp_method_by_id(uint32_t id);

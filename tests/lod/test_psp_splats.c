@@ -64,7 +64,7 @@ static void check_imply_their_forest(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
     CHECK_EQUAL(2 * SAMPLES - 1, s.count);
     CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
     CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
@@ -115,7 +115,7 @@ static void check_cover_at_every_level(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
@@ -167,7 +167,7 @@ void test_psp_sets_of_all_points_have_no_holes(test_state* test)
     from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
     from.set.table.radius[0] = 1e-4f;
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
     uint32_t whole = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
         whole += s.coverages[i] == STP_COVERAGE_WHOLE;
@@ -205,14 +205,14 @@ void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats known, guessed;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &known));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &known));
     for (uint32_t i = 0; i < SAMPLES; ++i) {
         if (unit(9, i) < 0.5) {
             stp_vec3 n = stp_octahedral_decode(from.normals[2 * i], from.normals[2 * i + 1]);
             stp_octahedral_encode(stp_scale(n, -1.0f), from.normals + 2 * i);
         }
     }
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, &guessed));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, 0, &guessed));
     CHECK_EQUAL(known.count, guessed.count);
     for (float level = 0.03f; level < 0.5f; level *= 1.5f) {
         uint32_t right = count_drawn(&known, level), drawn = count_drawn(&guessed, level);
@@ -231,7 +231,7 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, &sets[i]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, 0, &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
@@ -254,7 +254,7 @@ void test_psp_sets_of_few_samples(test_state* test)
                 from.positions[i] = 7;
                 from.set.table.radius[0] = 0.0f;
             }
-            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
+            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
             CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
             for (uint32_t i = 0; i < s.count; ++i) {
                 CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
