@@ -16,9 +16,10 @@ enum {
     PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< per sample
     COARSE_VERSION = 1,
-    COARSE_SAMPLES = 2048, ///< the first surfels of a set
-    COARSE_SPLATS = 512,   ///< at most, of a state
-    COARSE_SHARE = 4,      ///< of small sets, a quarter: more are drawn as disks
+    COARSE_SAMPLES = 2048, ///< the first surfels of a set, at most
+    COARSE_FEWEST_SAMPLES = 64,
+    COARSE_SURFELS_PER_SAMPLE = 5, ///< of small sets
+    COARSE_SAMPLES_PER_SPLAT = 4,  ///< of the finest state
     STOCHASTIC_VERSION = 5,
     STOCHASTIC_BYTES = 120, ///< per sample
     SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
@@ -80,29 +81,39 @@ static stp_result make_psp(stp_context* context, const stp_method_source* source
 
 static stp_hash hash_coarse(stp_hash key, const stp_method_options* options)
 {
-    const uint32_t all[] = {COARSE_VERSION, PSP_VERSION, COARSE_SAMPLES, COARSE_SPLATS};
+    const uint32_t all[] = {COARSE_VERSION, PSP_VERSION};
     (void)options;
     key = stp_hash_bytes(key, "coarse", 6);
     return stp_hash_bytes(key, all, sizeof(all));
 }
 
+// Few of a small set, so that builds take hardly longer.
+static uint32_t count_coarse_samples(uint64_t surfels)
+{
+    uint64_t part = surfels / COARSE_SURFELS_PER_SAMPLE;
+    part = part > COARSE_FEWEST_SAMPLES ? part : COARSE_FEWEST_SAMPLES;
+    part = part < surfels ? part : surfels;
+    return (uint32_t)(part < COARSE_SAMPLES ? part : COARSE_SAMPLES);
+}
+
 static uint64_t coarse_bytes(uint64_t samples, uint64_t triangles)
 {
-    return psp_bytes(samples < COARSE_SAMPLES ? samples : COARSE_SAMPLES, triangles);
+    return psp_bytes(count_coarse_samples(samples), triangles);
 }
 
 static stp_result make_coarse(stp_context* context, const stp_method_source* source,
                               const stp_method_options* options, stp_splats* splats)
 {
     stp_splats few = *source->samples;
-    uint32_t limit = few.count / COARSE_SHARE < COARSE_SPLATS ? few.count / COARSE_SHARE : COARSE_SPLATS;
+    uint32_t count = count_coarse_samples(few.count), limit = count / COARSE_SAMPLES_PER_SPLAT;
     (void)options;
-    if (few.count > COARSE_SAMPLES) { // with the colours and coverages of their own octave
+    if (count < few.count) { // with colours and coverages of the octave that holds them
         few.octave_count = 1;
-        while (few.octave_ends[few.octave_count - 1] < COARSE_SAMPLES) {
+        while (few.octave_ends[few.octave_count - 1] < count) {
             few.octave_count += 1;
         }
-        few.octave_ends[few.octave_count - 1] = few.count = COARSE_SAMPLES;
+        assert(few.octave_count <= source->samples->octave_count);
+        few.octave_ends[few.octave_count - 1] = few.count = count;
     }
     return stp_psp_make(context, &few, source->two_sided, STP_PSP_REGIONS, limit > 0 ? limit : 1,
                         splats);

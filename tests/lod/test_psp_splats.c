@@ -275,7 +275,7 @@ void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_splats sets[3];
     for (int k = 0; k < 3; ++k) {
-        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], &sets[k]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], 0, &sets[k]));
     }
     for (int k = 1; k < 3; ++k) {
         CHECK(!is_same(&sets[0], &sets[k]));
@@ -303,7 +303,7 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
             stp_context* context = test_context(&heap, 1, NULL);
             stp_splats s = {0};
             if (context != NULL) {
-                made = stp_psp_make(context, &from.set, false, metrics[k], &s) == STP_OK &&
+                made = stp_psp_make(context, &from.set, false, metrics[k], 0, &s) == STP_OK &&
                        heap.count <= n;
                 stp_splats_destroy(context, &s);
             }
