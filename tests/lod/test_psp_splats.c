@@ -5,6 +5,7 @@
 #include "tests.h"
 
 #include "base/splats/coverage.h"
+#include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/psp_set.h"
 #include "lod/psp/region.h"
@@ -291,6 +292,42 @@ void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
     stp_context_destroy(context);
 }
 
+// A set with a limit has the first splits of the whole set, and ends in leaves.
+void test_psp_sets_end_at_a_limit(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    stp_splats whole, s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &whole));
+    for (uint32_t limit = 1; limit < 2 * SAMPLES; limit *= 3) {
+        uint32_t order[2 * SAMPLES], scratch[2 * SAMPLES], leaves = 0;
+        uint32_t count = limit < SAMPLES ? 2 * limit - 1 : whole.count;
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, limit, &s));
+        CHECK_EQUAL(count, s.count);
+        CHECK_EQUAL(count, s.octave_ends[s.octave_count - 1]);
+        CHECK_EQUAL((count + 1) / 2 - 1, stp_progressive_order(s.ranges, count, order, scratch));
+        CHECK(stp_progressive_is_whole(s.ranges, count, order));
+        for (uint32_t i = 0; i < count; ++i) {
+            bool ends = (s.ranges[i] & 0xFFFFu) == 0;
+            leaves += ends;
+            CHECK(s.shapes[i] == whole.shapes[i]);
+            CHECK(ends || s.ranges[i] == whole.ranges[i]);
+            CHECK(s.ranges[i] >> 16 == whole.ranges[i] >> 16);
+        }
+        CHECK_EQUAL((count + 1) / 2, leaves);
+        CHECK(memcmp(s.positions, whole.positions, 6 * (size_t)count) == 0);
+        CHECK(memcmp(s.colors, whole.colors, 3 * (size_t)count) == 0);
+        for (uint32_t i = count; i < whole.count; ++i) { // what was left out is not drawn there
+            CHECK(highest_of(&whole, i) <= s.table.radius[s.table.size - 1]);
+        }
+        stp_splats_destroy(context, &s);
+    }
+    stp_splats_destroy(context, &whole);
+    stp_context_destroy(context);
+}
+
 void test_psp_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
@@ -303,7 +340,9 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
             stp_context* context = test_context(&heap, 1, NULL);
             stp_splats s = {0};
             if (context != NULL) {
-                made = stp_psp_make(context, &from.set, false, metrics[k], 0, &s) == STP_OK &&
+                // of one metric, a part of the splats
+                made = stp_psp_make(context, &from.set, false, metrics[k], k == 0 ? 20 : 0, &s) ==
+                           STP_OK &&
                        heap.count <= n;
                 stp_splats_destroy(context, &s);
             }
