@@ -293,12 +293,8 @@ static stp_result make_splat_sets(build* b)
 // Whether coarse ellipses are made beside the sets of `blue`.
 static bool makes_coarse(const stp_build_desc* desc)
 {
-    const stp_method* first = desc->method_count != 0 ? desc->methods[0] : &stp_methods[0];
-    bool makes = desc->coarse && first == &stp_methods[0];
-    for (uint32_t i = 0; i < desc->method_count; ++i) { // `psp` has ellipses for all sets
-        makes = makes && desc->methods[i]->id != STP_METHOD_PSP;
-    }
-    return makes;
+    return desc->coarse &&
+           (desc->method_count == 0 || stp_methods_want_coarse(desc->methods, desc->method_count));
 }
 
 static stp_result make_methods(build* b)
@@ -387,7 +383,8 @@ static bool is_intact(void* user)
 
 static stp_result make_content(build* b)
 {
-    assert(b->methods.set_count >= b->plan.step_count && "the first method has a set for each step");
+    assert(b->methods.set_count >= b->plan.step_count &&
+           "the first method has a set for each step");
     stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
                                                  b->plan.step_of, &b->levels, &b->content);
     if (result == STP_OK) {
@@ -485,9 +482,8 @@ static void plan_stages(build* b)
     stp_stage* stages = b->stages;
     static const stp_stage import = {"import", 5.0}, partition = {"partition", 3.0},
                            splats = {"surfels", 80.0}, methods = {"methods", 8.0},
-                           coarse = {"methods", 1.0},
-                           levels = {"levels", 30.0}, clusters = {"clusters", 6.0},
-                           write = {"write", 6.0};
+                           coarse = {"methods", 1.0}, levels = {"levels", 30.0},
+                           clusters = {"clusters", 6.0}, write = {"write", 6.0};
     size_t count = 0;
     stages[count++] = import;
     stages[count++] = partition;

@@ -16,7 +16,7 @@ typedef struct run {
     stp_build_result* origins; ///< by set
     uint32_t* uppermost;       ///< steps with coarse sets
     uint32_t uppermost_count;
-    bool lacks_normals;        ///< some point set has no normals
+    bool lacks_normals; ///< some point set has no normals
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_mutex_t previous_mutex;
@@ -185,13 +185,13 @@ static void list_methods(const run* r)
         const stp_method* method = method_at(r, m);
         bool is_coarse = m == r->desc->method_count;
         uint32_t* sets = made->sets_of_nodes + (m - (m > 0)) * nodes;
-        made->methods[m] = (stp_store_method){.name = method->name,
-                                              .id = method->id,
-                                              .columns = method->columns,
-                                              .first_set = m * plan->step_count,
-                                              .set_count =
-                                                  is_coarse ? r->uppermost_count : plan->step_count,
-                                              .sets = m > 0 ? sets : NULL};
+        made->methods[m] =
+            (stp_store_method){.name = method->name,
+                               .id = method->id,
+                               .columns = method->columns,
+                               .first_set = m * plan->step_count,
+                               .set_count = is_coarse ? r->uppermost_count : plan->step_count,
+                               .sets = m > 0 ? sets : NULL};
         for (size_t i = 0; m > 0 && i < nodes; ++i) {
             sets[i] = STP_STORE_NONE;
         }

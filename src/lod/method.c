@@ -18,7 +18,7 @@ enum {
     COARSE_VERSION = 1,
     COARSE_SAMPLES = 2048, ///< the first surfels of a set, at most
     COARSE_FEWEST_SAMPLES = 64,
-    COARSE_SURFELS_PER_SAMPLE = 5, ///< of small sets
+    COARSE_SURFELS_PER_SAMPLE = 7, ///< of small sets
     COARSE_SAMPLES_PER_SPLAT = 4,  ///< of the finest state
     STOCHASTIC_VERSION = 5,
     STOCHASTIC_BYTES = 120, ///< per sample
@@ -203,6 +203,15 @@ const stp_method stp_method_coarse = {.name = "coarse",
                                       .hash = hash_coarse,
                                       .bytes = coarse_bytes,
                                       .make = make_coarse};
+
+bool stp_methods_want_coarse(const stp_method* const* methods, uint32_t count)
+{
+    bool wants = count > 0 && methods[0]->id == STP_METHOD_BLUE;
+    for (uint32_t i = 1; i < count; ++i) {
+        wants = wants && methods[i]->id != STP_METHOD_PSP;
+    }
+    return wants;
+}
 
 const stp_method* stp_method_by_name(const char* name)
 {

@@ -58,7 +58,11 @@ enum { STP_METHOD_COUNT = 4 };
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];
 
-/// Ellipses for few splats (docs/algorithms/finish.md, Few splats). The build makes them beside
+/// Whether a file of these methods gets coarse ellipses: the first is `blue`, and none is `psp`,
+/// whose ellipses are of all sets.
+bool stp_methods_want_coarse(const stp_method* const* methods, uint32_t count);
+
+/// Ellipses for few splats (docs/algorithms/progressive-sets.md, Coarse ellipses). The build makes them beside
 /// `blue`; users do not choose them, so they are not in the table.
 extern const stp_method stp_method_coarse;
 

@@ -80,9 +80,8 @@ stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* 
 uint32_t stp_select_coarse_method(const stp_store_directory* directory, const stp_quality* quality)
 {
     uint32_t found = STP_STORE_NONE;
-    if (quality->method != 0 || quality->reference ||
-        quality->policy != STP_POLICY_INSERTION || directory->method_count < 2 ||
-        directory->methods[0].id != STP_METHOD_BLUE) {
+    if (quality->method != 0 || quality->reference || quality->policy != STP_POLICY_INSERTION ||
+        directory->method_count < 2 || directory->methods[0].id != STP_METHOD_BLUE) {
         return found;
     }
     for (uint32_t i = 1; i < directory->method_count; ++i) {

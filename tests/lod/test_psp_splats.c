@@ -232,7 +232,8 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, 0, &sets[i]));
+        CHECK_EQUAL(STP_OK,
+                    stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, 0, &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
