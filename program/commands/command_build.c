@@ -379,6 +379,7 @@ static int build(stp_context* context, int argc, char** argv)
         .splat_rule = {args.surfel_ratio, (uint32_t)args.surfels},
         .methods = chosen,
         .method_count = choose_methods(chosen),
+        .coarse = true,
         .method_options = stp_method_options_default(),
         .threshold = args.threshold_given && args.threshold == 0 ? 1 : args.threshold,
         .no_levels = args.levels == 1,

@@ -362,7 +362,7 @@ const char* draw_options_coarse_method(const draw_options* o, const stp_store* s
     const stp_store_directory* d = stp_store_get_directory(store);
     const stp_quality quality = draw_options_quality(o);
     uint32_t method = stp_select_coarse_method(d, &quality);
-    return method != STP_STORE_NONE ? d->methods[method].name : NULL;
+    return method < stp_store_offered_methods(d) ? d->methods[method].name : NULL;
 }
 
 stp_draw_style draw_options_style(const draw_options* o)

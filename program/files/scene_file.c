@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 // Part of cached file names: raise it when builds of the same input change.
-static const char* const cache_version = "stipple-" STP_VERSION "-7";
+static const char* const cache_version = "stipple-" STP_VERSION "-8";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 
@@ -267,6 +267,7 @@ static stp_result build_cached(stp_context* context, const scene_input* input, w
                            .import = import_desc(input),
                            .wants_splats = decide_splats,
                            .wants_splats_user = &d,
+                           .coarse = true,
                            .parameters_json = parameters};
     const stp_method* methods[STP_METHOD_COUNT];
     for (uint32_t i = 0; use == SCENE_FOR_METHODS && i < STP_METHOD_COUNT; ++i) {

@@ -205,7 +205,7 @@ uint32_t point_colors_find_method(const point_color_options* o, const stp_store*
     uint32_t found = preferred < d->method_count && draws_all(o, store, preferred, false)
                          ? preferred
                          : STP_STORE_NONE;
-    for (uint32_t m = 0; m < d->method_count && found == STP_STORE_NONE; ++m) {
+    for (uint32_t m = 0; m < stp_store_offered_methods(d) && found == STP_STORE_NONE; ++m) {
         found = draws_all(o, store, m, false) ? m : found;
     }
     return found;

@@ -165,7 +165,8 @@ json_t* describe_json(const scene_figures* f)
     bool stored = f->format_version != 0;
     json_t* json = json_object();
     json_t* methods = json_array();
-    for (uint32_t i = 0; f->summary.figures.unique_surfels != 0 && i < d->method_count; ++i) {
+    for (uint32_t i = 0; f->summary.figures.unique_surfels != 0 && i < stp_store_offered_methods(d);
+         ++i) {
         (void)json_array_append_new(methods, json_string(d->methods[i].name));
     }
     (void)json_object_set_new(json, "format_version",

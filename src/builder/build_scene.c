@@ -309,6 +309,13 @@ static stp_result make_splat_sets(build* b)
     return result;
 }
 
+// Whether coarse ellipses are made beside the sets of `blue`.
+static bool makes_coarse(const stp_build_desc* desc)
+{
+    return desc->coarse &&
+           (desc->method_count == 0 || stp_methods_want_coarse(desc->methods, desc->method_count));
+}
+
 static stp_result make_methods(build* b)
 {
     static const stp_method* const only_blue[] = {&stp_methods[0]};
@@ -320,6 +327,7 @@ static stp_result make_methods(build* b)
         .alone = method_alone(desc),
         .methods = desc->method_count != 0 ? desc->methods : only_blue,
         .method_count = desc->method_count != 0 ? desc->method_count : 1,
+        .coarse = makes_coarse(desc) ? &stp_method_coarse : NULL,
         .options = &desc->method_options,
         .shading_count = b->shadings.count,
         .growths = b->blue.growths,
@@ -385,7 +393,8 @@ static bool is_intact(void* user)
 
 static stp_result make_content(build* b)
 {
-    assert(b->methods.set_count == b->methods.method_count * b->plan.step_count);
+    assert(b->methods.set_count >= b->plan.step_count &&
+           "the first method has a set for each step");
     stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
                                                  b->plan.step_of, &b->levels, &b->content);
     if (result == STP_OK) {
@@ -483,8 +492,8 @@ static void plan_stages(build* b)
     stp_stage* stages = b->stages;
     static const stp_stage import = {"import", 5.0}, partition = {"partition", 3.0},
                            splats = {"surfels", 80.0}, methods = {"methods", 8.0},
-                           levels = {"levels", 30.0}, clusters = {"clusters", 6.0},
-                           write = {"write", 6.0};
+                           coarse = {"methods", 1.0}, levels = {"levels", 30.0},
+                           clusters = {"clusters", 6.0}, write = {"write", 6.0};
     size_t count = 0;
     stages[count++] = import;
     stages[count++] = partition;
@@ -494,6 +503,8 @@ static void plan_stages(build* b)
     stages[count++] = splats;
     if (derives_sets(desc)) {
         stages[count++] = methods;
+    } else if (makes_coarse(desc)) {
+        stages[count++] = coarse;
     }
     if (has_blue(desc) && !desc->no_levels) {
         stages[count++] = levels;

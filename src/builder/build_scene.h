@@ -27,6 +27,9 @@ typedef struct stp_build_desc {
     /// first. None: `blue`.
     const stp_method* const* methods;
     uint32_t method_count;
+    /// Also makes a few ellipses of each uppermost set, if the first method is `blue` and none is
+    /// `psp`: they are drawn where few splats suffice (stp_method_coarse).
+    bool coarse;
     stp_method_options method_options; ///< used if there are methods other than `blue`
     /// Nodes with more triangles get splats; 0: STP_BUILD_DEFAULT_THRESHOLD
     uint64_t threshold;

@@ -14,16 +14,62 @@ typedef struct run {
     const stp_build_methods_desc* desc;
     stp_build_methods* made;
     stp_build_result* origins; ///< by set
-    bool lacks_normals;        ///< some point set has no normals
+    uint32_t* uppermost;       ///< steps with coarse sets
+    uint32_t uppermost_count;
+    bool lacks_normals; ///< some point set has no normals
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_mutex_t previous_mutex;
     stp_result result; ///< the first failure
 } run;
 
+static const stp_method* method_at(const run* r, size_t index)
+{
+    return index < r->desc->method_count ? r->desc->methods[index] : r->desc->coarse;
+}
+
 static const stp_method* method_of(const run* r, size_t set)
 {
-    return r->desc->methods[set / r->desc->plan->step_count];
+    return method_at(r, set / r->desc->plan->step_count);
+}
+
+static uint32_t step_of(const run* r, size_t set)
+{
+    size_t index = set / r->desc->plan->step_count, step = set % r->desc->plan->step_count;
+    assert(index < r->desc->method_count || step < r->uppermost_count);
+    return index < r->desc->method_count ? (uint32_t)step : r->uppermost[step];
+}
+
+// Lists the steps whose sets have splats and no set above them on some path.
+static stp_result list_uppermost(run* r)
+{
+    const stp_scene* scene = r->scene;
+    const stp_build_plan* plan = r->desc->plan;
+    if (r->desc->coarse == NULL || plan->step_count == 0 || scene->root == STP_NONE) {
+        return STP_OK;
+    }
+    bool* open = STP_NEW_ZEROED(scene->context, bool, scene->node_count);
+    r->uppermost = STP_NEW_ARRAY(scene->context, uint32_t, plan->step_count);
+    if (open == NULL || r->uppermost == NULL) {
+        stp_free(scene->context, open);
+        return stp_fail_memory(scene->context);
+    }
+    open[scene->root] = true;
+    for (size_t i = scene->node_count; i-- > 0;) { // parents before children
+        const stp_node* node = &scene->nodes[i];
+        uint32_t step = plan->step_of[i];
+        bool has_set = step != STP_NONE && r->desc->samples[step].count > 0;
+        if (open[i] && has_set) {
+            r->uppermost[r->uppermost_count++] = step;
+        }
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            uint32_t child = scene->edges[node->first_edge + k].node;
+            bool moves = (scene->nodes[child].flags & STP_OBJECT_MOVING) != 0; // no set shows it
+            open[child] = open[child] || moves || (open[i] && !has_set);
+        }
+    }
+    stp_free(scene->context, open);
+    return STP_OK;
 }
 
 /// Whether a method's sets must be derived from the samples.
@@ -107,7 +153,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_method* method = method_of(r, i);
-        size_t step = i % r->desc->plan->step_count;
+        size_t step = step_of(r, i);
         const stp_splats* samples = &r->desc->samples[step];
         stp_hash key = r->desc->plan->steps[step].key;
         stp_result result = STP_OK;
@@ -140,19 +186,22 @@ static void list_methods(const run* r)
     stp_build_methods* made = r->made;
     size_t nodes = r->scene->node_count;
     for (uint32_t m = 0; m < made->method_count; ++m) {
-        const stp_method* method = r->desc->methods[m];
+        const stp_method* method = method_at(r, m);
+        bool is_coarse = m == r->desc->method_count;
         uint32_t* sets = made->sets_of_nodes + (m - (m > 0)) * nodes;
         made->methods[m] =
             (stp_store_method){.name = method->name,
                                .id = method->id,
                                .columns = stp_method_columns(method, r->desc->options),
                                .first_set = m * plan->step_count,
-                               .set_count = plan->step_count,
+                               .set_count = is_coarse ? r->uppermost_count : plan->step_count,
                                .sets = m > 0 ? sets : NULL};
         for (size_t i = 0; m > 0 && i < nodes; ++i) {
-            bool none = plan->step_of == NULL || plan->step_of[i] == STP_NONE;
-            assert(none || plan->steps[plan->step_of[i]].node == i);
-            sets[i] = none ? STP_STORE_NONE : made->methods[m].first_set + plan->step_of[i];
+            sets[i] = STP_STORE_NONE;
+        }
+        for (uint32_t i = 0; m > 0 && i < made->methods[m].set_count; ++i) {
+            uint32_t set = made->methods[m].first_set + i;
+            sets[plan->steps[step_of(r, set)].node] = set;
         }
     }
 }
@@ -176,7 +225,7 @@ static stp_result make_all(run* r)
     stp_loop_report report = {.stage = "methods", .unit = "samples"};
     for (uint32_t i = 0; i < count; ++i) {
         bool derived = is_derived(r, method_of(r, i));
-        report.total += derived ? r->desc->samples[i % r->desc->plan->step_count].count : 0;
+        report.total += derived ? r->desc->samples[step_of(r, i)].count : 0;
     }
     bool derives = made->method_count > 1 || is_derived(r, r->desc->methods[0]);
     if (result == STP_OK && !derives) {
@@ -226,15 +275,17 @@ stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_method
     stp_context* context = scene->context;
     assert(are_distinct(desc) && "a file holds each method once");
     assert(desc->alone == NULL || (desc->method_count == 1 && desc->methods[0] == desc->alone));
-    *made = (stp_build_methods){.method_count = desc->method_count,
-                                .set_count = desc->method_count * desc->plan->step_count};
+    *made = (stp_build_methods){0};
     run r = {.scene = scene, .desc = desc, .made = made};
+    stp_result result = list_uppermost(&r);
+    made->method_count = desc->method_count + (r.uppermost_count > 0);
+    made->set_count = desc->method_count * desc->plan->step_count + r.uppermost_count;
     for (size_t i = 0; i < scene->point_set_count && !r.lacks_normals; ++i) {
         r.lacks_normals = scene->point_sets[i].normals == NULL;
     }
     pthread_mutex_init(&r.mutex, NULL);
     pthread_mutex_init(&r.previous_mutex, NULL);
-    stp_result result = make_all(&r);
+    result = result == STP_OK ? make_all(&r) : result;
     pthread_mutex_destroy(&r.previous_mutex);
     pthread_mutex_destroy(&r.mutex);
     stp_gate_destroy(r.gate);
@@ -243,6 +294,7 @@ stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_method
     } else {
         stp_build_methods_destroy(context, made);
     }
+    stp_free(context, r.uppermost);
     stp_free(context, r.origins);
     return result;
 }

@@ -20,6 +20,8 @@ typedef struct stp_build_methods_desc {
     const stp_method* alone;
     const stp_method* const* methods;
     uint32_t method_count; ///< at least 1; no duplicates
+    /// NULL, or a further method, which comes last and has sets for the uppermost nodes only.
+    const stp_method* coarse;
     const stp_method_options* options;
     uint32_t shading_count;
     const stp_growth_table* growths; ///< of the samples' shadings; NULL: none
@@ -28,7 +30,8 @@ typedef struct stp_build_methods_desc {
     stp_previous_output* previous; ///< NULL: none
 } stp_build_methods_desc;
 
-/// All sets, grouped by method, one per step of the plan. Columns are in the work folder.
+/// All sets, grouped by method, one per step of the plan, of the coarse method one per uppermost
+/// step. Columns are in the work folder.
 typedef struct stp_build_methods {
     stp_splats* sets;
     stp_hash* keys;

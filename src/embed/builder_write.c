@@ -102,6 +102,7 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
         .import = {.up = builder->desc.up, .unit_metres = builder->desc.unit_metres},
         .methods = methods,
         .method_count = parse_methods(names, methods),
+        .coarse = true,
         .method_options = stp_method_options_default(),
         .splat_rule = {desc->triangles_per_splat, desc->splat_limit},
         .threshold = threshold,

@@ -41,7 +41,7 @@ stp_result stp_model_get_info(const stp_model* model, stp_model_info* info)
         .stored_splat_count = figures->unique_surfels,
         .object_count = d->object_count,
         .view_count = d->view_count,
-        .method_count = d->method_count,
+        .method_count = stp_store_offered_methods(d),
         .source_count = d->source_count,
         .material_count = model->summary.material_count,
         .texture_count = d->texture_count,
@@ -68,8 +68,8 @@ stp_result stp_model_get_method(const stp_model* model, uint32_t method, stp_met
         return called;
     }
     const stp_store_directory* d = stp_store_get_directory(model->store);
-    if (method >= d->method_count) {
-        return fail_number(model, "method", method, d->method_count);
+    if (method >= stp_store_offered_methods(d)) {
+        return fail_number(model, "method", method, stp_store_offered_methods(d));
     }
     const stp_store_method* m = &d->methods[method];
     stp_method_info made = {.name = m->name, .set_count = m->set_count};

@@ -44,7 +44,7 @@ static stp_result find_method(const stp_painter* painter, const char* name, uint
 {
     const stp_store_directory* d = stp_store_get_directory(painter->model->store);
     *id = 0;
-    for (uint32_t i = 0; name != NULL && i < d->method_count && *id == 0; ++i) {
+    for (uint32_t i = 0; name != NULL && i < stp_store_offered_methods(d) && *id == 0; ++i) {
         *id = strcmp(d->methods[i].name, name) == 0 ? d->methods[i].id : 0;
     }
     return name == NULL || *id != 0

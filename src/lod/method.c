@@ -15,6 +15,11 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 3,
     PSP_BYTES = 1000, ///< per sample
+    COARSE_VERSION = 1,
+    COARSE_SAMPLES = 2048, ///< the first surfels of a set, at most
+    COARSE_FEWEST_SAMPLES = 64,
+    COARSE_SURFELS_PER_SAMPLE = 7, ///< of small sets
+    COARSE_SAMPLES_PER_SPLAT = 4,  ///< of the finest state
     STOCHASTIC_VERSION = 5,
     STOCHASTIC_BYTES = 120, ///< per sample
     SPT_COLORS = 48,        ///< if colours differ by more, of 255, a node's error is its diameter
@@ -70,7 +75,48 @@ static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
 static stp_result make_psp(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_splats* splats)
 {
-    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, splats);
+    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, 0,
+                        splats);
+}
+
+static stp_hash hash_coarse(stp_hash key, const stp_method_options* options)
+{
+    const uint32_t all[] = {COARSE_VERSION, PSP_VERSION};
+    (void)options;
+    key = stp_hash_bytes(key, "coarse", 6);
+    return stp_hash_bytes(key, all, sizeof(all));
+}
+
+// Few of a small set, so that builds take hardly longer.
+static uint32_t count_coarse_samples(uint64_t surfels)
+{
+    uint64_t part = surfels / COARSE_SURFELS_PER_SAMPLE;
+    part = part > COARSE_FEWEST_SAMPLES ? part : COARSE_FEWEST_SAMPLES;
+    part = part < surfels ? part : surfels;
+    return (uint32_t)(part < COARSE_SAMPLES ? part : COARSE_SAMPLES);
+}
+
+static uint64_t coarse_bytes(uint64_t samples, uint64_t triangles)
+{
+    return psp_bytes(count_coarse_samples(samples), triangles);
+}
+
+static stp_result make_coarse(stp_context* context, const stp_method_source* source,
+                              const stp_method_options* options, stp_splats* splats)
+{
+    stp_splats few = *source->samples;
+    uint32_t count = count_coarse_samples(few.count), limit = count / COARSE_SAMPLES_PER_SPLAT;
+    (void)options;
+    if (count < few.count) { // with colours and coverages of the octave that holds them
+        few.octave_count = 1;
+        while (few.octave_ends[few.octave_count - 1] < count) {
+            few.octave_count += 1;
+        }
+        assert(few.octave_count <= source->samples->octave_count);
+        few.octave_ends[few.octave_count - 1] = few.count = count;
+    }
+    return stp_psp_make(context, &few, source->two_sided, STP_PSP_REGIONS, limit > 0 ? limit : 1,
+                        splats);
 }
 
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
@@ -154,6 +200,23 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
 uint32_t stp_method_columns(const stp_method* method, const stp_method_options* options)
 {
     return method->columns | (options->tree.error == STP_TREE_SPLIT ? method->split_columns : 0);
+}
+
+const stp_method stp_method_coarse = {.name = "coarse",
+                                      .title = "Coarse ellipses",
+                                      .id = STP_METHOD_COARSE,
+                                      .columns = STP_PSP_COLUMNS,
+                                      .hash = hash_coarse,
+                                      .bytes = coarse_bytes,
+                                      .make = make_coarse};
+
+bool stp_methods_want_coarse(const stp_method* const* methods, uint32_t count)
+{
+    bool wants = count > 0 && methods[0]->id == STP_METHOD_BLUE;
+    for (uint32_t i = 1; i < count; ++i) {
+        wants = wants && methods[i]->id != STP_METHOD_PSP;
+    }
+    return wants;
 }
 
 const stp_method* stp_method_by_name(const char* name)

@@ -61,6 +61,14 @@ extern const stp_method stp_methods[STP_METHOD_COUNT];
 
 /// Columns of the sets that a method makes with these options.
 uint32_t stp_method_columns(const stp_method* method, const stp_method_options* options);
-/// Finds a method by name or id. @return NULL if there is none
+/// Whether a file of these methods gets coarse ellipses: the first is `blue`, and none is `psp`,
+/// whose ellipses are of all sets.
+bool stp_methods_want_coarse(const stp_method* const* methods, uint32_t count);
+
+/// Ellipses for few splats (docs/algorithms/progressive-sets.md, Coarse ellipses). The build makes them beside
+/// `blue`; users do not choose them, so they are not in the table.
+extern const stp_method stp_method_coarse;
+
+/// Finds a method of the table by name or id. @return NULL if there is none
 const stp_method* stp_method_by_name(const char* name);
 const stp_method* stp_method_by_id(uint32_t id);

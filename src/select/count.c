@@ -135,7 +135,10 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
     (void)stp_select_is_in_view(s, &box, &sight); // whether in view or not
     s->rule->choose_count(&use, share->count);
     stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
-    return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;
+    if (result == STP_OK && use.count == share->count) {
+        result = stp_select_count_coarse(s, at, &sight, share->count, &use);
+    }
+    return result == STP_OK && use.count > 0 ? use.rule->add(s, at, &use, &sight) : result;
 }
 
 stp_result stp_select_add_count(stp_selection* s)

@@ -12,6 +12,7 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
     case STP_METHOD_SPT:
         return &stp_select_rule_levels;
     case STP_METHOD_PSP:
+    case STP_METHOD_COARSE:
         return &stp_select_rule_splits;
     case STP_METHOD_STOCHASTIC:
         return &stp_select_rule_cues;
@@ -73,19 +74,19 @@ stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* 
                          .switch_depth = HUGE_VAL};
 }
 
-// Measured on the benchmark scene (docs/notes/2026-11-coarse-ellipses.md).
+// Of a node's own set. Measured on the benchmark scene (docs/notes/2026-11-coarse-ellipses.md).
 #define COARSE_SHARE 0.25
 
 uint32_t stp_select_coarse_method(const stp_store_directory* directory, const stp_quality* quality)
 {
     uint32_t found = STP_STORE_NONE;
-    if (quality->method != 0 || quality->reference || quality->splat_count != 0 ||
-        quality->policy != STP_POLICY_INSERTION || directory->method_count < 2 ||
-        directory->methods[0].id != STP_METHOD_BLUE) {
+    if (quality->method != 0 || quality->reference || quality->policy != STP_POLICY_INSERTION ||
+        directory->method_count < 2 || directory->methods[0].id != STP_METHOD_BLUE) {
         return found;
     }
     for (uint32_t i = 1; i < directory->method_count; ++i) {
-        found = directory->methods[i].id == STP_METHOD_PSP ? i : found;
+        uint32_t id = directory->methods[i].id;
+        found = id == STP_METHOD_PSP || id == STP_METHOD_COARSE ? i : found;
     }
     return found;
 }
@@ -99,25 +100,62 @@ bool stp_select_draws_levels(const stp_selection* s)
             s->directory->methods[s->method].id == STP_METHOD_BLUE);
 }
 
+/// Begins to use the coarse set of a node for `count` splats of its own set. @return whether that
+/// is a small enough share of it
+static bool begin_coarse(const stp_selection* s, uint32_t node, const stp_splats* own,
+                         uint32_t count, stp_set_use* use)
+{
+    uint32_t set = s->coarse_method != STP_STORE_NONE
+                       ? stp_store_set_of(s->directory, s->coarse_method, node)
+                       : STP_STORE_NONE;
+    if (set == STP_STORE_NONE || count == 0 || (double)count >= COARSE_SHARE * (double)own->count) {
+        return false;
+    }
+    const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
+    *use = stp_select_begin_use(s, rule, set);
+    return use->splats->count > 0;
+}
+
 void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,
                               const stp_box_visibility* sight, stp_set_use* use)
 {
-    uint32_t set = s->coarse_method != STP_STORE_NONE
-                       ? stp_store_set_of(s->directory, s->coarse_method, at->node)
-                       : STP_STORE_NONE;
-    bool is_coarse = use->count > 0 && !use->in_level_switch && use->per_depth > 0.0 &&
-                     (double)use->count < COARSE_SHARE * (double)use->splats->count;
-    if (set == STP_STORE_NONE || !is_coarse) {
+    stp_set_use other;
+    if (use->in_level_switch || !(use->per_depth > 0.0) ||
+        !begin_coarse(s, at->node, use->splats, use->count, &other)) {
         return;
     }
-    const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
-    stp_set_use other = stp_select_begin_use(s, rule, set);
     other.per_depth = use->per_depth;
-    rule->choose(s, at, sight, false, &other);
+    other.rule->choose(s, at, sight, false, &other);
     assert(other.count <= other.splats->count);
-    if (other.count > 0 && (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
+    const stp_splats* splats = other.splats;
+    bool suffices = other.radius >= (double)stp_prefix_table_radius(&splats->table, splats->count);
+    if (other.count > 0 && suffices &&
+        (!s->streams || stp_select_request_coarse(s, at, sight, &other))) {
         *use = other;
     }
+}
+
+stp_result stp_select_count_coarse(stp_selection* s, const stp_select_entry* at,
+                                   const stp_box_visibility* sight, uint32_t count,
+                                   stp_set_use* use)
+{
+    stp_set_use other;
+    if (!begin_coarse(s, at->node, use->splats, count, &other) ||
+        count > (other.splats->count + 1) / 2) {
+        return STP_OK;
+    }
+    other.switch_depth = use->switch_depth;
+    other.rule->choose_count(&other, count);
+    if (s->streams && !stp_select_request_coarse(s, at, sight, &other)) {
+        return STP_OK;
+    }
+    uint32_t states = 0;
+    bool ends = false;
+    stp_result result = stp_select_count_states(s->store, other.set, &states, &ends);
+    if (result == STP_OK && ends && count >= 2 * states - other.splats->count) {
+        *use = other;
+    }
+    return result;
 }
 
 stp_set_use stp_select_choose_use(const stp_selection* s, const stp_select_entry* at,

@@ -51,6 +51,11 @@ stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* 
 void stp_select_choose_coarse(stp_selection* s, const stp_select_entry* at,
                               const stp_box_visibility* sight, stp_set_use* use);
 
+/// The same for `count` splats. Keeps `use` if the coarse set has no state of that count.
+stp_result stp_select_count_coarse(stp_selection* s, const stp_select_entry* at,
+                                   const stp_box_visibility* sight, uint32_t count,
+                                   stp_set_use* use);
+
 /// Decides how to use the set of a node, which has one, when splats are drawn by size.
 stp_set_use stp_select_choose_use(const stp_selection* s, const stp_select_entry* at,
                                   const stp_box_visibility* sight);

@@ -188,8 +188,9 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
 }
 
 /// Coarse method: its sets represent nodes that need only a small share of their own sets. It is
-/// `psp` beside `blue`, if the quality leaves the choice to the file. A few merged ellipses cover
-/// flat and long shapes better than disks (docs/notes/2026-11-coarse-ellipses.md). @return its
+/// `psp` beside `blue`, or else a few ellipses of the uppermost sets, if the quality leaves the
+/// choice to the file. A few merged ellipses cover flat and long shapes better than disks
+/// (docs/notes/2026-11-coarse-ellipses.md, docs/notes/2026-11-few-splats.md). @return its
 /// index in the directory's table; STP_STORE_NONE: none
 uint32_t stp_select_coarse_method(const stp_store_directory* directory, const stp_quality* quality);
 

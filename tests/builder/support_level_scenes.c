@@ -26,6 +26,7 @@ stp_result level_build_to(stp_context* context, const level_build* build, const 
                                  .blue = {.capture = {.wanted_candidates = 20000}},
                                  .threshold = build->no_splats ? UINT64_C(1) << 40 : 0,
                                  .no_levels = build->no_levels,
+                                 .coarse = build->coarse,
                                  .fresh = build->fresh,
                                  .generate = generate,
                                  .generate_user = &copy};
@@ -90,4 +91,21 @@ bool level_scene_add_copies(stp_scene* scene)
                stp_scene_add_use(scene, i % 3 == 0 ? 1 : 0) == STP_OK;
     }
     return good;
+}
+
+bool level_scene_copies(stp_scene* scene)
+{
+    uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f), torus[2];
+    stp_mesh meshes[2] = {level_torus(scene->context, 60, 40, 1.0, 0.4),
+                          level_torus(scene->context, 40, 30, 1.0, 0.3)};
+    bool good = red != STP_NONE;
+    for (int i = 0; i < 2; ++i) {
+        const stp_object prototype = {
+            .parent = STP_NONE, .transform = stp_affine_identity(), .flags = STP_OBJECT_PROTOTYPE};
+        meshes[i].material = red;
+        good = good && stp_scene_add_mesh(scene, &meshes[i], &torus[i]) == STP_OK &&
+               stp_scene_add_object(scene, &prototype, NULL) == STP_OK &&
+               stp_scene_add_part(scene, (stp_part){STP_PART_MESH, torus[i]}) == STP_OK;
+    }
+    return good && level_scene_add_copies(scene);
 }

@@ -10,7 +10,7 @@ typedef bool level_scene(stp_scene* scene);
 
 typedef struct level_build {
     level_scene* make;
-    bool no_splats, no_levels, fresh;
+    bool no_splats, no_levels, coarse, fresh;
     uint32_t leaf_triangles; ///< 0: the default
 } level_build;
 
@@ -29,3 +29,5 @@ bool level_scene_two_tori(stp_scene* scene);
 bool level_scene_sheet(stp_scene* scene);
 /// Adds 24 uses of meshes 0 and 1, which are prototypes already, on a grid of 5 columns.
 bool level_scene_add_copies(stp_scene* scene);
+/// Many copies of two tori.
+bool level_scene_copies(stp_scene* scene);

@@ -9,24 +9,6 @@
 #include "builder/stored_levels.h"
 #include "lod/support_level_shapes.h"
 
-/// Many copies of two tori.
-static bool make_copies(stp_scene* scene)
-{
-    uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f), torus[2];
-    stp_mesh meshes[2] = {level_torus(scene->context, 60, 40, 1.0, 0.4),
-                          level_torus(scene->context, 40, 30, 1.0, 0.3)};
-    bool good = red != STP_NONE;
-    for (int i = 0; i < 2; ++i) {
-        const stp_object prototype = {
-            .parent = STP_NONE, .transform = stp_affine_identity(), .flags = STP_OBJECT_PROTOTYPE};
-        meshes[i].material = red;
-        good = good && stp_scene_add_mesh(scene, &meshes[i], &torus[i]) == STP_OK &&
-               stp_scene_add_object(scene, &prototype, NULL) == STP_OK &&
-               stp_scene_add_part(scene, (stp_part){STP_PART_MESH, torus[i]}) == STP_OK;
-    }
-    return good && level_scene_add_copies(scene);
-}
-
 typedef struct level_folder {
     char folder[64], one[96], other[96];
 } level_folder;
@@ -49,7 +31,7 @@ static bool close_folder(const level_folder* f)
 
 void test_builds_with_levels_do_not_depend_on_threads(test_state* test)
 {
-    level_scene* const scenes[] = {level_scene_open_ball, make_copies};
+    level_scene* const scenes[] = {level_scene_open_ball, level_scene_copies};
     for (int i = 0; i < 2; ++i) {
         const level_build build = {.make = scenes[i], .no_splats = true};
         level_folder f;
@@ -162,7 +144,7 @@ void test_levels_are_found_in_the_work_folder(test_state* test)
             CHECK_EQUAL(0, fclose(file));
         }
         CHECK_EQUAL(STP_OK, stp_work_open(context, place.folder, false, &work));
-        CHECK_EQUAL(STP_OK, begin_maker(&m, context, make_copies));
+        CHECK_EQUAL(STP_OK, begin_maker(&m, context, level_scene_copies));
         CHECK_EQUAL(STP_OK, make_with(&m, work));
         stp_work_get_report(work, &report);
         sources = round == 0 ? report.stored : sources;
@@ -325,7 +307,7 @@ void test_nodes_with_much_glass_get_no_levels(test_state* test)
 // Of 24 uses of two meshes, levels are made for few.
 void test_levels_of_shared_nodes_stay_small(test_state* test)
 {
-    level_counts counts = count_levels(test, make_copies, 0);
+    level_counts counts = count_levels(test, level_scene_copies, 0);
     CHECK_EQUAL(4800 + 2400, counts.unique);
     CHECK(counts.levels > 0 && counts.triangles <= 2 * counts.unique);
 }

@@ -126,8 +126,9 @@ python3 "$source/scripts/read_store.py" lit.stip > lit.json || fail "lit.stip by
 python3 - << 'END' || fail "certainty"
 import json
 ball, lit, info = (json.load(open(f"{n}.json")) for n in ("ball", "lit", "info"))
-assert [c["flags"] for c in ball["certainty"]] == [1], ball["certainty"]
-assert [c["flags"] for c in lit["certainty"]] == [0], lit["certainty"]
+# a set, and its coarse ellipses
+assert [c["flags"] for c in ball["certainty"]] == [1, 1], ball["certainty"]
+assert [c["flags"] for c in lit["certainty"]] == [0, 0], lit["certainty"]
 step = ball["surfels"][0]["step"]
 assert ball["certainty"][0]["position_error"] == info["position_error"] == step / 2, (info["position_error"], step)
 END

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A file of blue and psp: nodes that need few splats are drawn by ellipses, unless a method is
-# requested. Arguments: executable, scratch folder, source folder.
+# Few splats are ellipses, unless a method is requested: in files of blue and psp for all nodes that
+# need few, in files of blue for uppermost nodes. Arguments: executable, scratch folder, source folder.
 # needs: stipple-lab
 set -u
 stipple=$1
@@ -50,13 +50,33 @@ done
 
 # with other options, the first method draws alone
 draw by_policy both.stip --splat-size 6 --policy paper
-draw counted both.stip --splats 500 --backend cpu
-draw counted_blue both.stip --splats 500 --backend cpu --method blue
-cmp -s counted.png counted_blue.png || fail "a splat count does not use the first method"
 draw first both.stip --splat-size 6 --prefix 40%
 draw turned turned.stip --splat-size 6
-for one in by_policy counted turned truth; do
+for one in by_policy turned truth; do
     [ "$(value $one.json coarse_method)" = null ] || fail "$one is drawn with another method"
 done
 [ "$(value turned.json method)" = psp ] || fail "the first method is $(value turned.json method)"
+
+# a count of splats takes ellipses of both kinds of files; a file of blue alone has some of its
+# uppermost sets, and does not list them
+"$stipple" -q build $scene -o blue.stip --levels off || fail "no build of blue"
+"$stipple" info blue.stip --json > info.json || fail "no information on blue.stip"
+python3 -c 'import json, sys; sys.exit(json.load(open("info.json"))["methods"] != ["blue"])' ||
+    fail "a file of blue lists other methods"
+"$stipple" check blue.stip > checked 2>&1 || fail "a file with coarse ellipses: $(cat checked)"
+for file in both blue; do
+    draw counted $file.stip --splats 60 --backend cpu
+    draw counted_blue $file.stip --splats 60 --backend cpu --method blue
+    a=$(likeness counted truth) b=$(likeness counted_blue truth)
+    holds "$a > $b + 0.02" || fail "$file: 60 ellipses are not more alike than 60 disks: $a, $b"
+    draw streamed $file.stip --splats 60 --backend cpu --memory 64M
+    cmp -s counted.png streamed.png || fail "$file: with a memory limit, 60 splats differ"
+    draw gl $file.stip --splats 60 --backend gl
+    a=$(likeness counted gl)
+    holds "$a >= 0.98" || fail "$file: OpenGL draws 60 splats otherwise: $a"
+done
+draw many blue.stip --splats 20000 --backend cpu
+draw many_blue blue.stip --splats 20000 --backend cpu --method blue
+cmp -s many.png many_blue.png || fail "many splats are not drawn as disks"
+[ "$(value many.json coarse_method)" = null ] || fail "a method that nobody can choose is reported"
 [ $failures -eq 0 ]

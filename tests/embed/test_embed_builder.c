@@ -177,7 +177,7 @@ static stp_result write_methods(stp_context* context, const char* methods, uint3
     stp_store* store = NULL;
     if (bytes != NULL && stp_store_open_memory(context, "memory", bytes, size,
                                                &(stp_store_open_desc){0}, &store) == STP_OK) {
-        *count = stp_store_get_directory(store)->method_count;
+        *count = stp_store_offered_methods(stp_store_get_directory(store));
         stp_store_close(store);
     }
     // a builder builds once, but is as before if the methods are refused

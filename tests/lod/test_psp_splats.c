@@ -5,6 +5,7 @@
 #include "tests.h"
 
 #include "base/splats/coverage.h"
+#include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/psp_set.h"
 #include "lod/psp/region.h"
@@ -64,7 +65,7 @@ static void check_imply_their_forest(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
     CHECK_EQUAL(2 * SAMPLES - 1, s.count);
     CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
     CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
@@ -115,7 +116,7 @@ static void check_cover_at_every_level(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
@@ -167,7 +168,7 @@ void test_psp_sets_of_all_points_have_no_holes(test_state* test)
     from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
     from.set.table.radius[0] = 1e-4f;
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
     uint32_t whole = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
         whole += s.coverages[i] == STP_COVERAGE_WHOLE;
@@ -205,14 +206,14 @@ void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats known, guessed;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &known));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &known));
     for (uint32_t i = 0; i < SAMPLES; ++i) {
         if (unit(9, i) < 0.5) {
             stp_vec3 n = stp_octahedral_decode(from.normals[2 * i], from.normals[2 * i + 1]);
             stp_octahedral_encode(stp_scale(n, -1.0f), from.normals + 2 * i);
         }
     }
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, &guessed));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, 0, &guessed));
     CHECK_EQUAL(known.count, guessed.count);
     for (float level = 0.03f; level < 0.5f; level *= 1.5f) {
         uint32_t right = count_drawn(&known, level), drawn = count_drawn(&guessed, level);
@@ -231,7 +232,8 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, &sets[i]));
+        CHECK_EQUAL(STP_OK,
+                    stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, 0, &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
@@ -254,7 +256,7 @@ void test_psp_sets_of_few_samples(test_state* test)
                 from.positions[i] = 7;
                 from.set.table.radius[0] = 0.0f;
             }
-            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, &s));
+            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
             CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
             for (uint32_t i = 0; i < s.count; ++i) {
                 CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
@@ -275,7 +277,7 @@ void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_splats sets[3];
     for (int k = 0; k < 3; ++k) {
-        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], &sets[k]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], 0, &sets[k]));
     }
     for (int k = 1; k < 3; ++k) {
         CHECK(!is_same(&sets[0], &sets[k]));
@@ -291,6 +293,42 @@ void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
     stp_context_destroy(context);
 }
 
+// A set with a limit has the first splits of the whole set, and ends in leaves.
+void test_psp_sets_end_at_a_limit(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    stp_splats whole, s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &whole));
+    for (uint32_t limit = 1; limit < 2 * SAMPLES; limit *= 3) {
+        uint32_t order[2 * SAMPLES], scratch[2 * SAMPLES], leaves = 0;
+        uint32_t count = limit < SAMPLES ? 2 * limit - 1 : whole.count;
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, limit, &s));
+        CHECK_EQUAL(count, s.count);
+        CHECK_EQUAL(count, s.octave_ends[s.octave_count - 1]);
+        CHECK_EQUAL((count + 1) / 2 - 1, stp_progressive_order(s.ranges, count, order, scratch));
+        CHECK(stp_progressive_is_whole(s.ranges, count, order));
+        for (uint32_t i = 0; i < count; ++i) {
+            bool ends = (s.ranges[i] & 0xFFFFu) == 0;
+            leaves += ends;
+            CHECK(s.shapes[i] == whole.shapes[i]);
+            CHECK(ends || s.ranges[i] == whole.ranges[i]);
+            CHECK(s.ranges[i] >> 16 == whole.ranges[i] >> 16);
+        }
+        CHECK_EQUAL((count + 1) / 2, leaves);
+        CHECK(memcmp(s.positions, whole.positions, 6 * (size_t)count) == 0);
+        CHECK(memcmp(s.colors, whole.colors, 3 * (size_t)count) == 0);
+        for (uint32_t i = count; i < whole.count; ++i) { // what was left out is not drawn there
+            CHECK(highest_of(&whole, i) <= s.table.radius[s.table.size - 1]);
+        }
+        stp_splats_destroy(context, &s);
+    }
+    stp_splats_destroy(context, &whole);
+    stp_context_destroy(context);
+}
+
 void test_psp_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
@@ -303,7 +341,9 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
             stp_context* context = test_context(&heap, 1, NULL);
             stp_splats s = {0};
             if (context != NULL) {
-                made = stp_psp_make(context, &from.set, false, metrics[k], &s) == STP_OK &&
+                // of one metric, a part of the splats
+                made = stp_psp_make(context, &from.set, false, metrics[k], k == 0 ? 20 : 0, &s) ==
+                           STP_OK &&
                        heap.count <= n;
                 stp_splats_destroy(context, &s);
             }

@@ -120,6 +120,37 @@ void test_methods_that_are_not_known(test_state* test)
     stp_context_destroy(context);
 }
 
+// Coarse ellipses are read as the last of several methods, and not offered. Elsewhere they are
+// ignored, as unknown methods are.
+void test_coarse_ellipses_follow_other_methods(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    for (uint32_t place = 0; place < 2; ++place) {
+        fixture f;
+        unsigned char* bytes;
+        stp_store* store;
+        CHECK(set_up(&f, context));
+        f.methods[place].name = "coarse";
+        f.methods[place].id = STP_METHOD_COARSE;
+        CHECK_EQUAL(STP_OK, write_and_open(context, &f.made.content, &bytes, &store));
+        const stp_store_directory* d = stp_store_get_directory(store);
+        CHECK_EQUAL(1 + place, d->method_count);
+        CHECK_EQUAL(1, stp_store_offered_methods(d));
+        CHECK_EQUAL(place == 0 ? STP_METHOD_SPT : STP_METHOD_BLUE, d->methods[0].id);
+        CHECK_EQUAL(place, stp_store_find_method(d, STP_METHOD_COARSE));
+        for (uint32_t i = 0; i < NODES; ++i) {
+            CHECK_EQUAL(f.sets[i], stp_store_set_of(d, place, i));
+        }
+        stp_store_close(store);
+        free(bytes);
+        stp_arena_destroy(&f.arena);
+    }
+    CHECK_EQUAL(0, log.errors);
+    stp_context_destroy(context);
+}
+
 // Each breaks one property of a valid file.
 static void break_field(fixture* f, int field)
 {

@@ -51,7 +51,7 @@ paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, ui
     s->shown = (painter_scene){.serial = serial, .store = s->store, .directory = directory};
     s->shown.bounds = directory->root != STP_STORE_NONE ? directory->nodes[directory->root].bounds
                                                         : stp_boxd_empty();
-    for (uint32_t i = 0; i < SCENE_METHODS && i < directory->method_count; ++i) {
+    for (uint32_t i = 0; i < SCENE_METHODS && i < stp_store_offered_methods(directory); ++i) {
         s->shown.splat_counts[i] = splat_count_of_scene(s->store, i);
     }
     s->transparent = stp_transparency_of_scene(directory);

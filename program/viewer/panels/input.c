@@ -235,7 +235,7 @@ static void switch_fullscreen(viewer* v)
 static void show_next_method(viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
-    if (d == NULL || d->method_count < 2) {
+    if (d == NULL || stp_store_offered_methods(d) < 2) {
         viewer_show_message(v, false, "This file has splats of only one method");
         return;
     }
@@ -246,7 +246,7 @@ static void show_next_method(viewer* v)
                             d->methods[0].name);
         return;
     }
-    uint32_t next = (place + 1) % d->method_count;
+    uint32_t next = (place + 1) % stp_store_offered_methods(d);
     v->settings.drawing.quality.method = d->methods[next].id;
     viewer_show_message(v, false, "Splats by %s", d->methods[next].name);
 }

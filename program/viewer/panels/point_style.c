@@ -150,7 +150,7 @@ static void show_other_method(const viewer* v)
     const stp_store_directory* d = v->scene->directory;
     if (originals) {
         gui_dim_paragraph("Showing original points: splats lack this attribute.");
-    } else if (drawn != 0 && d->method_count > 1 &&
+    } else if (drawn != 0 && stp_store_offered_methods(d) > 1 &&
                stp_store_find_method(d, chosen) != stp_store_find_method(d, drawn)) {
         gui_dim_paragraph("Showing splats of %s: other splats lack this attribute.",
                           stp_method_by_id(drawn)->title);

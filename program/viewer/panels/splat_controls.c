@@ -21,8 +21,8 @@ uint32_t splats_all(const viewer* v)
 bool viewer_mixes_methods(const viewer* v)
 {
     const stp_quality quality = {.method = 0};
-    return v->scene != NULL &&
-           stp_select_coarse_method(v->scene->directory, &quality) != STP_STORE_NONE;
+    return v->scene != NULL && stp_select_coarse_method(v->scene->directory, &quality) <
+                                   stp_store_offered_methods(v->scene->directory);
 }
 
 uint32_t splats_count(const viewer* v)

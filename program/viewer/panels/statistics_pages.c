@@ -144,11 +144,12 @@ static void show_speed(viewer* v)
 static void show_methods(viewer* v)
 {
     const char* names[SCENE_METHODS + 1];
-    if (v->scene == NULL || v->scene->directory->method_count < 2) {
+    if (v->scene == NULL || stp_store_offered_methods(v->scene->directory) < 2) {
         return;
     }
     const stp_store_directory* d = v->scene->directory;
-    uint32_t count = d->method_count < SCENE_METHODS ? d->method_count : SCENE_METHODS;
+    uint32_t count = stp_store_offered_methods(d);
+    count = count < SCENE_METHODS ? count : SCENE_METHODS;
     uint32_t first = viewer_mixes_methods(v) ? 1 : 0; // index of the file's first method
     int chosen = (int)(first + stp_store_find_method(d, v->settings.drawing.quality.method));
     chosen = first > 0 && v->settings.drawing.quality.method == 0 ? 0 : chosen;

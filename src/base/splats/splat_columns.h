@@ -46,6 +46,9 @@ enum {
     STP_METHOD_SPT = 2,        ///< Sequential Point Trees (Dachsbacher et al. 2003)
     STP_METHOD_PSP = 3,        ///< Progressive Splatting (Wu et al. 2005)
     STP_METHOD_STOCHASTIC = 4, ///< view-dependent Stochastic Sampling (Bhakar et al. 2004)
+    /// A few ellipses of `psp` for the uppermost sets of `blue`, drawn in place of its first disks.
+    /// Nobody chooses it, and lists of methods leave it out
+    STP_METHOD_COARSE = 5,
 };
 
 /// Optional columns of a set, and its colour layout.

@@ -31,6 +31,7 @@ typedef struct psp_maker {
     const stp_splats* samples;
     stp_psp_metric metric;
     bool two_sided;
+    uint32_t limit; ///< of splats in a state; 0: none
     stp_splats* splats;
     stp_method_samples points;
     float* areas; ///< per splat of the forest: represented surface area
@@ -168,17 +169,22 @@ static stp_result make(psp_maker* m)
     s->origin = m->samples->origin;
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
+    float left_out = 0.0f;
+    if (m->limit != 0) {
+        result = stp_psp_sequence_shorten(m->context, &m->sequence, m->limit, &left_out);
+    }
     s->count = m->sequence.count;
-    assert(s->count >= m->samples->count && "all samples are splats");
-    m->materials = STP_NEW_ARRAY(m->context, uint8_t, (size_t)s->count);
+    assert(m->limit != 0 || s->count >= m->samples->count); // all samples are splats
+    size_t all = (size_t)m->forest.point_count + m->forest.merge_count;
+    m->materials = STP_NEW_ARRAY(m->context, uint8_t, all);
     m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
-    result = stp_splats_make_columns(m->context, s);
+    result = result == STP_OK ? stp_splats_make_columns(m->context, s) : result;
     if (result == STP_OK && (m->materials == NULL || m->counts == NULL)) {
         result = stp_fail_memory(m->context);
     }
     if (result == STP_OK) {
         stp_set_octaves_make(s);
-        stp_set_table_make(s, m->sequence.highest_left, 1.0f, m->reach);
+        stp_set_table_make(s, m->sequence.highest_left, 1.0f, fmaxf(m->reach, left_out));
         find_materials(m);
         stp_shape_directions_make(&m->directions);
         stp_parallel_for(m->context, s->count, GRAIN, fill_some, m);
@@ -187,12 +193,13 @@ static stp_result make(psp_maker* m)
 }
 
 stp_result stp_psp_make(stp_context* context, const stp_splats* samples, bool two_sided,
-                        stp_psp_metric metric, stp_splats* splats)
+                        stp_psp_metric metric, uint32_t limit, stp_splats* splats)
 {
     psp_maker m = {.context = context,
                    .samples = samples,
                    .metric = metric,
                    .two_sided = two_sided,
+                   .limit = limit,
                    .splats = splats};
     *splats = (stp_splats){.columns = STP_PSP_COLUMNS};
     if (samples->count == 0) {

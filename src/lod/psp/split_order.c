@@ -136,6 +136,31 @@ stp_result stp_psp_sequence_make(stp_context* context, const stp_psp_forest* for
     return made ? STP_OK : stp_fail_memory(context);
 }
 
+stp_result stp_psp_sequence_shorten(stp_context* context, stp_psp_sequence* sequence,
+                                    uint32_t limit, float* left_out)
+{
+    uint32_t base = stp_progressive_count(sequence->ranges, sequence->count).base;
+    uint64_t kept = limit > base ? 2 * (uint64_t)limit - base : base;
+    *left_out = 0.0f;
+    if (kept >= sequence->count) {
+        return STP_OK;
+    }
+    uint32_t* heap = STP_NEW_ARRAY(context, uint32_t, (size_t)kept + 1);
+    if (heap == NULL) {
+        return stp_fail_memory(context);
+    }
+    uint32_t splits = ((uint32_t)kept - base) / 2;
+    stp_progressive_queue waiting =
+        stp_progressive_queue_begin(sequence->ranges, (uint32_t)kept, splits, heap);
+    for (uint32_t i = 0; i < waiting.count; ++i) {
+        sequence->ranges[waiting.heap[i]] &= 0xFFFF0000u;
+    }
+    *left_out = stp_range_level(stp_range_code(0.0f, sequence->highest_left[kept]) >> 16);
+    sequence->count = (uint32_t)kept;
+    stp_free(context, heap);
+    return STP_OK;
+}
+
 void stp_psp_sequence_destroy(stp_context* context, stp_psp_sequence* sequence)
 {
     stp_free(context, sequence->splats);

@@ -182,7 +182,9 @@ static void walk(accumulator* t, stp_store_figures* figures)
             figures->unique_surfels += sets[node->set].count;
             figures->splat_bytes += sets[node->set].bytes;
         }
-        for (uint32_t m = 1; m < d->method_count; ++m) { // other methods only count for bytes
+        // other methods only count for bytes; readers that do not know coarse ellipses, which come
+        // last, find the same figures
+        for (uint32_t m = 1; m < stp_store_offered_methods(d); ++m) {
             uint32_t set = stp_store_set_of(d, m, (uint32_t)(node - d->nodes));
             bool new_one = set != STP_STORE_NONE && is_first_visit(t, t->sets_met, set);
             figures->splat_bytes += new_one ? sets[set].bytes : 0;

@@ -166,6 +166,9 @@ static inline uint32_t stp_store_first_level_mesh(const stp_store_directory* dir
     return directory->mesh_count - directory->level_count;
 }
 
+/// Number of methods that a user can choose: all but coarse ellipses, which come last.
+uint32_t stp_store_offered_methods(const stp_store_directory* directory);
+
 /// Index of a method in the directory; the first method if `id` is 0 or not in the file.
 uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id);
 

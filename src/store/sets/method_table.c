@@ -10,9 +10,19 @@ enum { METHODS_MAX = 16 };
 
 static const stp_store_method only_blue = {.name = "blue", .id = STP_METHOD_BLUE};
 
-static bool is_known(uint32_t id)
+// Coarse ellipses are drawn in place of another method's splats, so they follow it.
+static bool is_known(const stp_store_directory* d, uint32_t index, bool is_first)
 {
-    return id >= STP_METHOD_BLUE && id <= STP_METHOD_STOCHASTIC;
+    uint32_t id = d->methods[index].id;
+    bool is_coarse = id == STP_METHOD_COARSE && !is_first && index + 1 == d->method_count;
+    return is_coarse || (id >= STP_METHOD_BLUE && id <= STP_METHOD_STOCHASTIC);
+}
+
+uint32_t stp_store_offered_methods(const stp_store_directory* directory)
+{
+    uint32_t count = directory->method_count;
+    bool is_coarse = count > 1 && directory->methods[count - 1].id == STP_METHOD_COARSE;
+    return is_coarse ? count - 1 : count;
 }
 
 uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id)
@@ -210,7 +220,7 @@ static stp_result drop_unknown(stp_store* store)
     const char* unknown = NULL;
     uint32_t kept = 0;
     for (uint32_t m = 0; m < d->method_count; ++m) {
-        if (!is_known(store->methods[m].id)) {
+        if (!is_known(d, m, kept == 0)) {
             unknown = unknown == NULL ? store->methods[m].name : unknown;
             continue;
         }
