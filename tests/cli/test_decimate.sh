@@ -182,7 +182,7 @@ for metric in normals distances; do
     [ "$(value record.json splats)" = 100 ] || fail "a record of 100 splats: $(cat record.json)"
     "$stipple" -q check record.stip || fail "the record of $metric is wrong"
     "$stipple" -q render record.stip -o base.png --size 160x120 --once --json > base.json || fail "render record.stip"
-    [ "$(value base.json splats)" = 100 ] || fail "the base set is drawn as $(value base.json splats) splats"
+    [ "$(value base.json listed_splats)" = 100 ] || fail "the base set is drawn as $(value base.json listed_splats) splats"
     for count in 100 101 700; do
         "$stipple" -q decimate ball.ply -o state.stip --splats $count --metric $metric > out || fail "decimate to $count"
         "$stipple" -q render state.stip -o state.png --size 160x120 --once --eye 1,2,3 --target 0,0,0 || fail "render state.stip"

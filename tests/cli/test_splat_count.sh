@@ -59,8 +59,8 @@ counts() # FILE BACKEND ALL COUNTS...
     local n
     for n in "${@:4}"; do
         draw "$1" "$2-$n" "$n" --backend "$2"
-        [ "$(value "$2-$n.json" splats)" = $((n < $3 ? n : $3)) ] ||
-            fail "$1 by $2: $(value "$2-$n.json" splats) splats are not $n"
+        [ "$(value "$2-$n.json" listed_splats)" = $((n < $3 ? n : $3)) ] ||
+            fail "$1 by $2: $(value "$2-$n.json" listed_splats) splats are not $n"
     done
 }
 
@@ -89,7 +89,7 @@ for file in balls spheres; do
         done
         draw $file.stip limited $n --memory 64M
         cmp -s limited.png cpu-$n.png || fail "$file: $n splats differ under a limit of memory"
-        [ "$(value limited.json splats)" = $n ] || fail "$file under a limit: $(value limited.json splats) splats"
+        [ "$(value limited.json listed_splats)" = $n ] || fail "$file under a limit: $(value limited.json listed_splats) splats"
         if [ "$backends" != cpu ]; then
             "$stipple" compare cpu-$n.png gl-$n.png --json > compare.json || fail "compare"
             holds "$(value compare.json ssim) > 0.98" || fail "$file: backends differ at $n splats"
@@ -114,8 +114,8 @@ for method in blue psp; do
     beside=""
     for n in 1 40 300 3000; do
         draw plant.stip $method-hidden-$n $n --method $method --hide "#88"
-        [ "$(value $method-hidden-$n.json splats)" = $n ] ||
-            fail "$method: $(value $method-hidden-$n.json splats) splats are not $n where a part is hidden"
+        [ "$(value $method-hidden-$n.json listed_splats)" = $n ] ||
+            fail "$method: $(value $method-hidden-$n.json listed_splats) splats are not $n where a part is hidden"
         triangles=$(value $method-hidden-$n.json listed_triangles)
         [ "${beside:=$triangles}" = "$triangles" ] || fail "$method: $triangles triangles beside $n splats are not $beside"
     done
@@ -125,12 +125,12 @@ for method in blue psp; do
     draw plant.stip threads 300 --method $method --hide "#88" --threads 1
     cmp -s threads.png $method-hidden-300.png || fail "$method: one thread gives different shares"
     draw plant.stip limited 300 --method $method --hide "#88" --memory 64M
-    [ "$(value limited.json splats)" = 300 ] || fail "$method: $(value limited.json splats) splats under a limit of memory"
+    [ "$(value limited.json listed_splats)" = 300 ] || fail "$method: $(value limited.json listed_splats) splats under a limit of memory"
 done
 
 # for a truncated file, as many as its prefix has
 draw spheres.stip part 6000 --prefix 10%
-drawn=$(value part.json splats)
+drawn=$(value part.json listed_splats)
 if [ "$drawn" -lt 100 ] || [ "$drawn" -ge 6000 ]; then
     fail "$drawn splats of a tenth of a file"
 fi
@@ -148,7 +148,7 @@ END
 for backend in $backends; do
     "$stipple" -q fly balls.stip --path path.json --splats 2345 --frames 3 --size 64x48 --backend "$backend" --json > fly.json ||
         fail "fly by $backend"
-    python3 -c 'import json; assert [f["splats"] for f in json.load(open("fly.json"))["per_frame"]] == [2345] * 3' ||
+    python3 -c 'import json; assert [f["listed_splats"] for f in json.load(open("fly.json"))["per_frame"]] == [2345] * 3' ||
         fail "fly by $backend draws other numbers of splats"
 done
 [ $failures -eq 0 ]

@@ -207,7 +207,7 @@ struct record_block {
     float share;  // drawn share of a cluster's triangles; ITEM_GROWTHS: byte of the first material
     float nearest, farthest; // splats: within these depths (W)
     float reach;             // splats: maximum radius, relative to the item's
-    uint options;            // splats: address of the first splat's shape, range and errors, or material
+    uint options; // splats: address of the first splat's shape, range and errors, or material
 };
 
 // A chunk: consecutive splats of an item, from the previous chunk's end to `end`.
