@@ -347,14 +347,17 @@ static char* parameters_json(void)
     return text;
 }
 
-/// Whether a build left finished parts beside its output.
-static bool has_work(const char* output)
+/// Whether a failed build left finished parts beside its output, which could not be written.
+static bool resumes(const char* output)
 {
     char folder[PATH_MAX];
     struct stat status;
-    int length = snprintf(folder, sizeof(folder), "%s.work", output);
-    return length > 0 && (size_t)length < sizeof(folder) && stat(folder, &status) == 0 &&
-           S_ISDIR(status.st_mode);
+    size_t size = strlen(output);
+    const char* error = tool_held_error(); // begins with the path
+    bool writing = strncmp(error, output, size) == 0 &&
+                   (error[size] == ':' || strncmp(error + size, ".work", 5) == 0);
+    return writing && stp_build_work_folder(output, folder, sizeof(folder)) &&
+           stat(folder, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
 static int build(stp_context* context, int argc, char** argv)
@@ -418,8 +421,8 @@ static int build(stp_context* context, int argc, char** argv)
     stp_build_report report;
     tool_hold_errors();
     stp_result result = stp_build(context, &desc, &report);
-    bool resumes = result == STP_ERROR_IO && !args.fresh && has_work(args.output);
-    tool_release_errors(true, resumes ? "the same command resumes where it stopped" : NULL);
+    bool again = result == STP_ERROR_IO && !args.fresh && resumes(args.output);
+    tool_release_errors(true, again ? "the same command resumes where it stopped" : NULL);
     free(parameters);
     return result == STP_OK
                ? build_report_print(context, args.output, &report,

@@ -75,22 +75,21 @@ static int print_figures(const char* path, stp_result described, scene_figures* 
     return code;
 }
 
-/// Whether a file is drawn by elevation if no colour is asked for. Only of clouds and heights does
-/// it read more than the description.
+/// Whether a file is drawn by elevation if no colour is asked for. Only of clouds does it read more
+/// than the description; false if that is damaged.
 static bool is_by_elevation(stp_context* context, const char* path, const scene_figures* figures)
 {
-    const stp_store_directory* d = figures->directory;
-    bool heights = d->source_count > 0 && d->sources[0].format != NULL &&
-                   strcmp(d->sources[0].format, "hgt") == 0;
-    if (!heights && figures->summary.figures.triangles > 0) {
-        return false;
+    if (figures->summary.figures.triangles > 0 || figures->summary.figures.points == 0) {
+        return point_colors_is_terrain(figures->directory);
     }
     stp_store* store = NULL;
     stp_store_open_desc desc = {.defer_objects = true, .accept_partial = true};
     int color = POINT_COLOR_AUTO;
+    tool_hold_errors();
     bool opened = stp_store_open_with(context, path, &desc, &store) == STP_OK;
     bool known = opened && point_colors_choose(store, 0, &color) == STP_OK;
     stp_store_close(store);
+    tool_release_errors(false, NULL);
     return known && color == POINT_COLOR_ELEVATION;
 }
 

@@ -150,6 +150,8 @@ bool tool_is_interrupted(void);
 // Around work that may be retried: holds back errors that the library logs; at the end the last one
 // is printed, continued by `more` (NULL: not), or dropped. One thread.
 void tool_hold_errors(void);
+/// The last error held; "" if there is none.
+const char* tool_held_error(void);
 void tool_release_errors(bool print, const char* more);
 /// Prints the object and a newline on stdout and frees it; returns the exit code (1 if writing
 /// fails).

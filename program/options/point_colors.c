@@ -311,8 +311,7 @@ stp_result point_colors_elevations(stp_context* context, stp_store* store, uint3
     return result;
 }
 
-/// Whether a scene shows only heights, which have no colours.
-static bool is_terrain(const stp_store_directory* d)
+bool point_colors_is_terrain(const stp_store_directory* d)
 {
     bool heights = d->source_count > 0;
     for (uint32_t i = 0; i < d->source_count && heights; ++i) {
@@ -321,25 +320,15 @@ static bool is_terrain(const stp_store_directory* d)
     return heights;
 }
 
-/// The only colour of the splats so far.
-typedef struct one_color {
-    bool known, same;
-    uint8_t rgb[3];
-} one_color;
-
-/// Compares the coarsest splats of a set with the colour of others.
-static stp_result look_for_colors(stp_store* store, uint32_t set, one_color* found)
+/// Whether the coarsest splats of a set are white: what points without colours become.
+static stp_result are_white(stp_store* store, uint32_t set, bool* white)
 {
     stp_splats splats;
     uint32_t octaves = stp_store_octaves_for(stp_store_describe_splat_set(store, set), COLORS_MAX);
     stp_result result = stp_store_get_splat_set_prefix(store, set, octaves, &splats);
-    uint32_t count = result == STP_OK ? splats.count : 0;
-    if (count > 0 && !found->known) {
-        found->known = true;
-        memcpy(found->rgb, splats.colors, sizeof(found->rgb));
-    }
-    for (uint32_t i = 0; i < count && found->same; ++i) {
-        found->same = memcmp(splats.colors + 3 * (size_t)i, found->rgb, sizeof(found->rgb)) == 0;
+    size_t count = result == STP_OK ? 3 * (size_t)splats.count : 0;
+    for (size_t i = 0; i < count && *white; ++i) {
+        *white = splats.colors[i] == 255;
     }
     stp_store_release_splat_set(store, set);
     return result;
@@ -351,18 +340,18 @@ stp_result point_colors_choose(stp_store* store, uint32_t method, int* color)
     if (*color != POINT_COLOR_AUTO) {
         return STP_OK;
     }
-    *color = is_terrain(d) ? POINT_COLOR_ELEVATION : POINT_COLOR_RGB;
+    *color = point_colors_is_terrain(d) ? POINT_COLOR_ELEVATION : POINT_COLOR_RGB;
     if (d->method_count == 0 || !cloud_style_is_cloud(store)) {
         return STP_OK;
     }
     const stp_store_method* m = &d->methods[method];
     uint32_t last = m->set_count > COLOR_SETS_MAX ? m->set_count - COLOR_SETS_MAX : 0;
-    one_color found = {.same = true};
+    bool white = m->set_count > 0;
     stp_result result = STP_OK;
-    for (uint32_t i = m->set_count; i > last && found.same && result == STP_OK; --i) {
-        result = look_for_colors(store, m->first_set + i - 1, &found);
+    for (uint32_t i = m->set_count; i > last && white && result == STP_OK; --i) {
+        result = are_white(store, m->first_set + i - 1, &white);
     }
-    if (found.same && found.known) {
+    if (white && result == STP_OK) {
         *color = POINT_COLOR_ELEVATION;
     }
     return result;

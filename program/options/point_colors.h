@@ -60,8 +60,11 @@ bool point_colors_read_range(const char* text, double* low, double* high);
 /// Reads N,N and marks only these classes. @return false on a syntax error
 bool point_colors_read_classes(const char* text, uint8_t shown[256]);
 
-/// Resolves --color auto: elevation for heights (SRTM), and for points if the coarsest splats of a
-/// method (an index in the file's table) all have one colour; else own colours. Other colours stay
+/// Whether a scene shows only heights (SRTM), which have no colours.
+bool point_colors_is_terrain(const stp_store_directory* directory);
+
+/// Resolves --color auto: elevation for heights (SRTM), and for points without colours: the coarsest
+/// splats of a method (an index in the file's table) are white; else own colours. Other colours stay
 /// as they are.
 /// @return STP_OK, or why the splats cannot be read; logged
 STP_MUST_USE stp_result point_colors_choose(stp_store* store, uint32_t method, int* color);

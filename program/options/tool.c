@@ -127,6 +127,12 @@ void tool_hold_errors(void)
     held_error[0] = 0;
 }
 
+const char* tool_held_error(void)
+{
+    assert(holds_errors && "errors are held");
+    return held_error;
+}
+
 void tool_release_errors(bool print, const char* more)
 {
     assert(holds_errors && "errors were held");

@@ -77,6 +77,12 @@ static uint64_t bytes_for_step(const build* b)
     return usable > used + MIN_BUDGET ? usable - used : MIN_BUDGET;
 }
 
+bool stp_build_work_folder(const char* output, char* folder, size_t size)
+{
+    int length = snprintf(folder, size, "%s.work", output);
+    return length > 0 && (size_t)length < size;
+}
+
 static stp_result open_work(build* b)
 {
     size_t size = strlen(b->desc->output) + sizeof(".work");
@@ -84,7 +90,7 @@ static stp_result open_work(build* b)
     if (b->work_folder == NULL) {
         return stp_fail_memory(b->context);
     }
-    snprintf(b->work_folder, size, "%s.work", b->desc->output);
+    (void)stp_build_work_folder(b->desc->output, b->work_folder, size); // it fits
     stp_result result = stp_work_open(b->context, b->work_folder, b->desc->fresh, &b->work);
     stp_file_remove_stale(b->context, b->desc->output);
     if (result == STP_OK && b->desc->draft != NULL) {

@@ -82,7 +82,8 @@ cpu, gl = ([r["figures"] for r in json.load(open(f"spt-{backend}.json"))["result
            for backend in ("cpu", "gl"))
 assert len(cpu) == len(gl) == 7
 for c, g in zip(cpu, gl):
-    assert all(c[key] == g[key] for key in c if key.startswith("drawn_by")), (c, g)
+    assert all(c[key] == g[key] for key in g if key.startswith("drawn_by")), (c, g)
+    assert {"drawn_by_traversal", "drawn_by_sequence", "drawn_by_groups"} <= set(g), g
     for key in ("traversal_pixels", "sequence_pixels", "groups_pixels"):
         assert abs(g[key] / c[key] - 1) < 0.01 and abs(g[key] / g["traversal_pixels"] - 1) < 0.01, (key, c, g)
     assert g["drawn_by_groups"] <= g["submitted_by_groups"] <= g["submitted_by_sequence"], g

@@ -156,6 +156,8 @@ for size in (2000, 50000, len(expected) // 2, len(expected) - 1):
     resumed += resumes
     assert not os.path.exists("out.stip")
 assert resumed > 0
+missing = subprocess.run([stipple, "build", "no.gltf", "-o", "out.stip"], capture_output=True, text=True) # of an input
+assert missing.returncode == 1 and "resumes" not in missing.stderr and os.path.isdir("out.stip.work"), missing.stderr
 kept = build("out.stip")
 assert kept["surfel_sets"] > 0 and read("out.stip") == expected, kept
 os.remove("out.stip")

@@ -151,3 +151,27 @@ void test_ply_clouds_may_lack_a_few_points(test_state* test)
         stp_context_destroy(context);
     }
 }
+
+// Rows may share a line: none are missing.
+void test_ply_rows_may_share_lines(test_state* test)
+{
+    enum { SAID = 300 };
+    static char text[16 * SAID];
+    size_t size = (size_t)snprintf(text, sizeof(text),
+                                   "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\n"
+                                   "property float y\nproperty float z\nend_header\n",
+                                   SAID);
+    for (uint32_t i = 0; i < SAID; ++i) {
+        size += (size_t)snprintf(text + size, sizeof(text) - size, "%u 0.5 1%c", i,
+                                 i % 150 == 7 ? ' ' : '\n');
+    }
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.ply", text, size, &result);
+    CHECK(scene != NULL);
+    CHECK_EQUAL(SAID, scene->point_sets[0].point_count);
+    CHECK(strstr(log.warning, "missing") == NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}

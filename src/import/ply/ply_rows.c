@@ -72,16 +72,13 @@ static bool row_is_line(const stp_ply* ply, uint64_t lines)
     return rows == lines;
 }
 
-// Values of the last line of a text that ends with a line end.
-static size_t count_last_values(stp_text text, stp_text end)
+// Values of a text that ends with a line end.
+static uint64_t count_values(stp_text text, stp_text end)
 {
-    stp_text line = end - 1;
-    size_t values = 0;
-    while (line > text && line[-1] != '\n') {
-        line -= 1;
-    }
-    for (stp_text at = stp_skip_blanks(line); *at != '\n'; at = stp_skip_blanks(at)) {
-        values += 1;
+    uint64_t values = 0;
+    for (stp_text at = text; at < end; ++at) {
+        at = stp_skip_blanks(at);
+        values += *at != '\n';
         while (*at != '\n' && !stp_is_blank(*at)) {
             at += 1;
         }
@@ -104,12 +101,11 @@ static void accept_missing_points(stp_ply* ply, const stp_ply_cursor* cursor, ui
     if (only == NULL || only->property_count == 0) {
         return;
     }
-    uint64_t there = lines;
+    uint64_t there = only->count;
     if (cursor->text == NULL) {
         there = (uint64_t)(cursor->end - cursor->at) / only->row_size;
-    } else if (lines > 0 && cursor->end - cursor->at > 1 && cursor->end[-2] != '\n' &&
-               count_last_values(cursor->at, cursor->end) < only->property_count) {
-        there -= 1; // the file ends within a row
+    } else if (lines < only->count) { // rows may share a line; the file may end within one
+        there = count_values(cursor->at, cursor->end) / only->property_count;
     }
     if (there < only->count && only->count - there <= only->count / 100) {
         stp_warn(ply->context, "%s: %llu of %llu points are missing: the file ends before them",

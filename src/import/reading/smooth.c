@@ -3,6 +3,7 @@
 
 #include "base/core/jobs.h"
 #include "import/reading/lookup.h"
+#include "scene/bulk.h"
 
 #include <assert.h>
 #include <math.h>
@@ -41,8 +42,7 @@ static stp_vec3 unit(stp_vec3 v)
     return length > 0.0f && length < HUGE_VALF ? stp_scale(v, 1.0f / length) : (stp_vec3){0, 0, 0};
 }
 
-/// The angle of a cosine, to 0.0001, without the C library, whose last bits differ between machines
-/// (Abramowitz and Stegun: Handbook of Mathematical Functions. 1964, 4.4.45).
+/// The angle of a cosine, to 0.0001: faster than the C library's, and the same on all machines (Abramowitz and Stegun: Handbook of Mathematical Functions. 1964, 4.4.45).
 static float angle_of(float cosine)
 {
     float x = stp_min(fabsf(cosine), 1.0f);
@@ -241,9 +241,13 @@ stp_result stp_smooth_mesh(stp_context* context, double degrees, stp_mesh* mesh)
 stp_result stp_import_add_mesh(stp_import* import, stp_mesh* mesh, uint32_t* index)
 {
     double degrees = import->desc.smooth_degrees;
-    stp_result smoothed = degrees > 0.0 && mesh->normals == NULL
-                              ? stp_smooth_mesh(import->context, degrees, mesh)
-                              : STP_OK;
-    stp_result result = stp_scene_add_mesh(import->scene, mesh, index); // takes over the arrays
-    return smoothed != STP_OK ? smoothed : result;
+    stp_result result = degrees > 0.0 && mesh->normals == NULL
+                            ? stp_smooth_mesh(import->context, degrees, mesh)
+                            : STP_OK;
+    if (result != STP_OK) {
+        import->scene->bulk_bytes += stp_mesh_bytes(mesh); // freeing counts them down
+        stp_mesh_free_arrays(import->scene, mesh);
+        return result;
+    }
+    return stp_scene_add_mesh(import->scene, mesh, index);
 }

@@ -30,10 +30,13 @@ static const float factors[STP_GROWTHS] = {0.125f,    0.176777f, 0.25f,     0.35
                                            0.707107f, 1.0f,      1.414214f, 2.0f,      2.828427f,
                                            4.0f,      5.656854f, 8.0f};
 
-// Cosines of the directions; the sine is the cosine of a quarter turn before.
 static const float cosines[DIRECTIONS] = {
     1.0f,  0.92387953f,  0.70710678f,  0.38268343f,  0.0f, -0.38268343f, -0.70710678f, -0.92387953f,
     -1.0f, -0.92387953f, -0.70710678f, -0.38268343f, 0.0f, 0.38268343f,  0.70710678f,  0.92387953f};
+static const float sines[DIRECTIONS] = {0.0f,  0.38268343f,  0.70710678f,  0.92387953f,
+                                        1.0f,  0.92387953f,  0.70710678f,  0.38268343f,
+                                        0.0f,  -0.38268343f, -0.70710678f, -0.92387953f,
+                                        -1.0f, -0.92387953f, -0.70710678f, -0.38268343f};
 
 float stp_growth_factor(uint32_t growth)
 {
@@ -79,7 +82,7 @@ static bool cut_cell(plane_cell* cell, stp_vec3 offset)
     }
     float a = 2.0f * u / square, b = 2.0f * v / square;
     for (int k = 0; k < DIRECTIONS; ++k) {
-        float nearness = a * cosines[k] + b * cosines[(k + DIRECTIONS * 3 / 4) % DIRECTIONS];
+        float nearness = a * cosines[k] + b * sines[k];
         cell->nearness[k] = stp_max(cell->nearness[k], nearness);
     }
     return true;
