@@ -56,7 +56,7 @@ def compare_pictures(scenes, folder, given):
                 picture = given.keep / f"{name}-{method}-{size}-{label}.png"
                 of[label] = figures = render(path, method, view, size, way, picture, given)
                 alike = kit.compare(picture, given.keep / f"{name}-{method}-{size}-cpu.png")
-                rates = {k: figures[k] for k in ("frame_ms", "select_ms", "draw_ms", "shade_ms", "splats", "triangles", "fragments", "covered_pixels")}
+                rates = {k: figures[k] for k in ("frame_ms", "select_ms", "draw_ms", "shade_ms", "splats", "triangles", "listed_splats", "listed_triangles", "fragments", "covered_pixels")}
                 results.append(kit.result("gpu picture", {"scene": name, "method": method, "splat_size": size, "way": label},
                                           {**rates, **(figures["gl"] or {}), **alike}))
             kit.say(f"{name}, {method}, size {size}: " + ", ".join(f"{w} {f['draw_ms']:.2f} ms" for w, f in of.items()))
@@ -66,7 +66,7 @@ def compare_pictures(scenes, folder, given):
 def rate(result):
     """Splats and triangles a millisecond of drawing, in thousands."""
     f = result["figures"]
-    return tuple(f"{f[k] / f['draw_ms'] / 1e3:,.0f}" if f["draw_ms"] > 0 else "-" for k in ("splats", "triangles"))
+    return tuple(f"{f[k] / f['draw_ms'] / 1e3:,.0f}" if f["draw_ms"] > 0 else "-" for k in ("listed_splats", "listed_triangles"))
 
 
 def print_pictures(results):

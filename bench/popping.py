@@ -30,7 +30,7 @@ def compare(given):
         kit.say(policy)
         flight = kit.stipple("fly", given.scene, "--path", given.path, "--size", given.size, "--splat-size", given.splat_size, "--policy", policy,
                              "--supersample", given.supersample, "--popping", *(["--frames", given.frames] if given.frames else []), threads=given.threads)
-        splats, extra = (sum(f[key] for f in flight["per_frame"]) for key in ("splats", "extra_splats"))
+        splats, extra = (sum(f[key] for f in flight["per_frame"]) for key in ("listed_splats", "extra_splats"))
         means = [f["popping"] for f in flight["per_frame"][1:]]
         figures = {**{f"popping_{k}": v for k, v in flight["popping"].items()}, "frame_p50": kit.rank(means, 0.5), "frame_max": max(means), "frames": means,
                    "extra_part": extra / max(1, splats - extra),

@@ -3,7 +3,8 @@
 // A picture from a file: opens FILE.stip, frames it, draws it with the CPU, and writes a PPM.
 //
 //   cc picture.c $(pkg-config --cflags --libs stipple) -o picture
-//   ./picture FILE.stip OUT.ppm [VIEW]        VIEW: iso (default), front, top, ..., or a view of the file
+//   ./picture FILE.stip OUT.ppm [VIEW]        VIEW: iso (default), front, top, ..., or a view of
+// the file
 #include <stipple/stipple.h>
 
 #include <stdio.h>

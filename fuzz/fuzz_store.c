@@ -2,8 +2,8 @@
 // Opens and reads a forged file. Checksums are corrected first, so that mutations get past them.
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_store
-//   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
-// Seeds: tests/golden/store/v1/*.stip
+//   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus
+// tests/golden/store/v1 Seeds: tests/golden/store/v1/*.stip
 #include "store/clusters/clusters.h"
 #include "store/file/point_attributes.h"
 #include "store/file/store.h"

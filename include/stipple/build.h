@@ -137,8 +137,8 @@ typedef struct stp_write_desc {
     const char* path;
     const char* folder;  ///< without a path: folder for temporary files; default $TMPDIR or /tmp
     const char* methods; ///< "blue" (default), "spt", "psp", "stochastic", or several: "blue,psp"
-    /// Most splats of a node, which has fewer where `triangles_per_splat` asks for fewer; 0: 50,000;
-    /// of a cloud all points
+    /// Most splats of a node, which has fewer where `triangles_per_splat` asks for fewer; 0:
+    /// 50,000; of a cloud all points
     uint32_t splat_limit;
     uint64_t threshold; ///< mesh nodes with more triangles get splats; default 1,000
     /// Memory limit of the build; default: the context's limit, or most of the machine's memory

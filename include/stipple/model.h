@@ -146,8 +146,8 @@ STP_API const char* stp_model_get_view_name(const stp_model* model, uint32_t vie
 /// Points `view` at the scene: sets eye, target, up and fov_degrees. `name` is a stored view, or a
 /// standard view that fits the content of the scene (while data is streamed, its bounds): "front",
 /// "back", "left", "right", "top", "bottom", "iso"; NULL: the file's first view, else "iso". Set
-/// width, height, ortho_height and sections before the call. Standard views keep a fov_degrees above
-/// 0; else they use 40.
+/// width, height, ortho_height and sections before the call. Standard views keep a fov_degrees
+/// above 0; else they use 40.
 /// @return STP_OK, STP_ERROR_ARGUMENT (no such view, or a size of 0)
 STP_API STP_MUST_USE stp_result stp_model_get_view(const stp_model* model, const char* name,
                                                    stp_view* view);

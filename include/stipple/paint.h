@@ -60,8 +60,8 @@ typedef struct stp_paint_desc {
     float splat_size;
     /// Above 0: frame-time budget in milliseconds. The painter chooses the splat size from previous
     /// frames, never below `splat_size`; it adapts over the first frames. Without `accumulate`,
-    /// ambient occlusion, then all `samples` but one, then all layers of transparent surfaces but the
-    /// nearest are left out while there is no time for them beside fine splats.
+    /// ambient occlusion, then all `samples` but one, then all layers of transparent surfaces but
+    /// the nearest are left out while there is no time for them beside fine splats.
     double budget_ms;
     uint64_t splat_count; ///< above 0: total number of splats, instead of a size
     const char* method;   ///< method whose splats are drawn: "blue", ...; NULL: the file's default
@@ -97,7 +97,8 @@ typedef struct stp_paint_report {
     double frame_ms; ///< duration of the last drawing pass; with OpenGL, until commands were sent
     double select_ms, draw_ms, shade_ms;
     float splat_size; ///< pixels, as used
-    /// Drawn: splats of the wanted level that nothing hides, triangles of clusters in view
+    /// Drawn: splats of the wanted level in the picture, triangles of clusters in view. A picture
+    /// that stays an OpenGL texture has an upper bound
     uint64_t splat_count, triangle_count;
     uint64_t covered_pixels;
     uint32_t samples; ///< per pixel, so far
@@ -138,9 +139,9 @@ STP_API uint32_t stp_painter_get_texture(const stp_painter* painter);
 STP_API STP_MUST_USE stp_result stp_painter_get_depths(stp_painter* painter, float* depths,
                                                        size_t count);
 
-/// While true, drawing stops as soon as possible with STP_ERROR_CANCELLED, also if it is set to false
-/// again meanwhile; set it to false before the next picture. Only for painters made with `can_stop`; others ignore it. Callable from any
-/// thread between create and destroy.
+/// While true, drawing stops as soon as possible with STP_ERROR_CANCELLED, also if it is set to
+/// false again meanwhile; set it to false before the next picture. Only for painters made with
+/// `can_stop`; others ignore it. Callable from any thread between create and destroy.
 STP_API void stp_painter_set_stopped(stp_painter* painter, bool stopped);
 
 #ifdef __cplusplus

@@ -169,7 +169,7 @@ static void list_views(frame_bench* b)
 // With a memory limit, a new maker starts with the coarsest data only.
 static stp_result recreate_maker(frame_bench* b)
 {
-    stp_draw_style style = {.transparency = STP_TRANSPARENCY_PATTERN};
+    stp_draw_style style = {.transparency = STP_TRANSPARENCY_NEAREST};
     frame_maker_destroy(&b->maker);
     stp_result result = frame_maker_create(b->context, b->store, &style, &b->maker);
     return result == STP_OK && b->options->memory > 0 ? frame_maker_stream(&b->maker) : result;

@@ -372,7 +372,8 @@ stp_draw_style draw_options_style(const draw_options* o)
         [TRANSPARENCY_PATTERN] = STP_TRANSPARENCY_PATTERN,
         [TRANSPARENCY_NEAREST] = STP_TRANSPARENCY_NEAREST,
     };
-    bool moves = o->in_motion && !(o->budget_ms > 0.0); // a budget decides for each frame
+    bool decides = o->budget_ms > 0.0 && o->controller == STP_CONTROLLER_PREDICT; // for each frame
+    bool moves = o->in_motion && !decides;
     int by_default = moves ? TRANSPARENCY_NEAREST : TRANSPARENCY_LAYERS;
     stp_draw_style style = o->settings.style;
     style.transparency =

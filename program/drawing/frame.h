@@ -14,7 +14,7 @@ typedef struct frame_figures {
     float splat_size;  ///< in effect
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
-    uint64_t extra_splats;                    ///< drawn while levels blend
+    uint64_t extra_splats;                    ///< listed while levels blend
     uint64_t clusters, nodes, draw_calls;
     uint32_t layers;  ///< layers of transparent surfaces
     uint32_t missing; ///< resources the view needs that were not, or not completely, loaded
@@ -67,8 +67,8 @@ STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);
 
-/// Draws the originals, without approximation, with `side` x `side` samples a pixel. `visibility` may
-/// be NULL.
+/// Draws the originals, without approximation, with `side` x `side` samples a pixel. `visibility`
+/// may be NULL.
 STP_MUST_USE stp_result frame_draw_originals(frame_maker* maker, const stp_view* view,
                                              const stp_visibility* visibility, uint32_t side,
                                              stp_image* image);

@@ -60,10 +60,11 @@ typedef struct scene_watcher {
     void* user;
 } scene_watcher;
 
-/// Path of the .stip that shows an input, as tool_open_scene_for would open it for SCENE_FOR_METHODS or SCENE_FOR_SPLATS;
-/// builds it if needed. `located` and `draft` have room for PATH_MAX bytes. `draft` receives the
-/// path of drafts, which the caller removes; empty if there are none. @return as
-/// tool_open_scene_for; STP_ERROR_BUSY (logged) if another process builds the same
+/// Path of the .stip that shows an input, as tool_open_scene_for would open it for
+/// SCENE_FOR_METHODS or SCENE_FOR_SPLATS; builds it if needed. `located` and `draft` have room for
+/// PATH_MAX bytes. `draft` receives the path of drafts, which the caller removes; empty if there
+/// are none. @return as tool_open_scene_for; STP_ERROR_BUSY (logged) if another process builds the
+/// same
 STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const scene_input* input,
                                             scene_use use, const scene_watcher* watcher,
                                             char* located, char* draft);

@@ -136,10 +136,10 @@ typedef struct command {
 /// All commands of the running program, NULL at the end.
 const command* const* commands(void);
 
-/// A context that prints messages on stderr ("NAME: ..." of the program, notices only with --verbose) and
-/// progress as requested: "auto" (also NULL: a bar if stderr is a terminal), "bar", "json" (one
-/// object per line) or "none". The first interrupt stops the work at the next progress report, a
-/// second one kills the process. NULL on failure: message printed.
+/// A context that prints messages on stderr ("NAME: ..." of the program, notices only with
+/// --verbose) and progress as requested: "auto" (also NULL: a bar if stderr is a terminal), "bar",
+/// "json" (one object per line) or "none". The first interrupt stops the work at the next progress
+/// report, a second one kills the process. NULL on failure: message printed.
 stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
                                  const char* progress);
 /// Prints one sentence on stderr and returns 2, or 1.

@@ -63,9 +63,9 @@ bool point_colors_read_classes(const char* text, uint8_t shown[256]);
 /// Whether a scene shows only heights (SRTM), which have no colours.
 bool point_colors_is_terrain(const stp_store_directory* directory);
 
-/// Resolves --color auto: elevation for heights (SRTM), and for points without colours: the coarsest
-/// splats of a method (an index in the file's table) are white; else own colours. Other colours stay
-/// as they are.
+/// Resolves --color auto: elevation for heights (SRTM), and for points without colours: the
+/// coarsest splats of a method (an index in the file's table) are white; else own colours. Other
+/// colours stay as they are.
 /// @return STP_OK, or why the splats cannot be read; logged
 STP_MUST_USE stp_result point_colors_choose(stp_store* store, uint32_t method, int* color);
 

@@ -72,7 +72,8 @@ typedef struct stp_build_report {
     uint64_t work_bytes;                ///< bytes of results in the work folder, found and stored
 } stp_build_report;
 
-/// The folder of intermediate results of a build. @return false if it does not fit into `size` bytes
+/// The folder of intermediate results of a build. @return false if it does not fit into `size`
+/// bytes
 bool stp_build_work_folder(const char* output, char* folder, size_t size);
 
 /// Builds one scene from the inputs and writes it. `report` may be NULL. @return STP_OK, or the

@@ -55,8 +55,8 @@ typedef struct stp_node_triangles {
     float* corners; ///< 9 floats each, in the node's space
 } stp_node_triangles;
 
-/// Counts the opaque triangles whose level (base/splats/triangle_level.h) is above `level`, in the node
-/// and everything below it that does not move. Returns 0 if more than STP_LARGE_USES parts and
+/// Counts the opaque triangles whose level (base/splats/triangle_level.h) is above `level`, in the
+/// node and everything below it that does not move. Returns 0 if more than STP_LARGE_USES parts and
 /// nodes are below it.
 uint32_t stp_count_node_triangles(const stp_scene* scene, uint32_t node, double level);
 

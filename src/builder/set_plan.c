@@ -202,7 +202,8 @@ static bool passes_through(const planning* p, const stp_node* node, uint32_t ind
 }
 
 // Whether the points of a cloud below, which has much of the node, would lie on fewer steps of the
-// node's grid of positions than they get splats: a survey beside a point far away. Then the cloud's own set shows it.
+// node's grid of positions than they get splats: a survey beside a point far away. Then the cloud's
+// own set shows it.
 static bool is_grid_too_coarse(const planning* p, uint32_t index)
 {
     const resting* r = &p->resting[index];

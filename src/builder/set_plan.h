@@ -42,9 +42,9 @@ typedef struct stp_build_plan_desc {
 /// moving nodes below it have their own sets, which represent them wherever they are.
 ///
 /// First exception: the nearest set above serves as well. A set of fewer than the maximum splats
-/// has one splat for so many triangles, and so has its parent's. So it pays only if it is finer (its
-/// parts are smaller than their surroundings), or a small part of a large whole, or repeated: then one
-/// set replaces those of the groups of copies.
+/// has one splat for so many triangles, and so has its parent's. So it pays only if it is finer
+/// (its parts are smaller than their surroundings), or a small part of a large whole, or repeated:
+/// then one set replaces those of the groups of copies.
 ///
 /// Second exception: prefixes of the sets below serve as well. Together they draw the node with as
 /// many splats as its own set. Its own set pays only if they are too many to examine one by one, or

@@ -16,8 +16,8 @@
 /// scenes have mostly empty pixels; the limit bounds the cost.
 #define STP_CAPTURE_MAX_PIXELS_EACH 1024.0
 
-/// Mip levels of a scene's textures, as far as splats show them. Making them takes as long as a small capture: make
-/// them once to capture many nodes of one scene.
+/// Mip levels of a scene's textures, as far as splats show them. Making them takes as long as a
+/// small capture: make them once to capture many nodes of one scene.
 typedef struct stp_capture_textures stp_capture_textures;
 
 typedef struct stp_capture_desc {
@@ -63,7 +63,8 @@ typedef struct stp_candidates {
     /// RGBA each, sRGB: base colour with texture and vertex colour. Alpha: opacity of a blended
     /// material; for a splat of a set, the share of its disk that is surface
     uint8_t* colors;
-    /// Scene material, or material_count + variant (scene/looks.h); of a splat of a set, its shading
+    /// Scene material, or material_count + variant (scene/looks.h); of a splat of a set, its
+    /// shading
     uint32_t* materials;
     /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for splats of
     /// point sets.

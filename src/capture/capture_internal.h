@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Structure of a capture: views are divided into bands of rows. Each band is drawn into a visibility
-// buffer and reduced to its covered pixels; then all covered pixels become candidates.
+// Structure of a capture: views are divided into bands of rows. Each band is drawn into a
+// visibility buffer and reduced to its covered pixels; then all covered pixels become candidates.
 #pragma once
 
 #include "capture/capture.h"

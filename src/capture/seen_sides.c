@@ -238,8 +238,8 @@ static stp_result draw_some(const seen_job* job, const seen_view* view, uint32_t
                                              &worker->scratch);
 }
 
-/// Draws the view, and that from behind. @param culls without backs of triangles whose backs are not
-/// drawn
+/// Draws the view, and that from behind. @param culls without backs of triangles whose backs are
+/// not drawn
 static stp_result draw(const seen_job* job, const seen_view* view, bool culls, seen_worker* worker)
 {
     size_t pixel_count = (size_t)view->width * view->height, last = count_pictures(job) - 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A mesh is solid if its surface is closed (base/math/closed_surface.h), perhaps together with other
-// pieces of it. A mesh that fails this test is tested for cracks (caps_internal.h).
+// A mesh is solid if its surface is closed (base/math/closed_surface.h), perhaps together with
+// other pieces of it. A mesh that fails this test is tested for cracks (caps_internal.h).
 #include "base/core/context.h"
 #include "base/io/hash.h"
 #include "base/math/closed_surface.h"

@@ -103,10 +103,12 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
     double select_ms; ///< time of selection, if the call selects
-    /// Parts of shade_ms: eye-dome lighting and ambient occlusion, and layers of transparent surfaces
+    /// Parts of shade_ms: eye-dome lighting and ambient occlusion, and layers of transparent
+    /// surfaces
     double effect_ms, layer_ms;
-    /// Drawn: splats of the wanted level that are not hidden, in the picture; triangles of clusters
-    /// in view that are not hidden. Mean of the samples, sum of the eyes
+    /// Drawn: splats of the wanted level in the picture, triangles of clusters in view; on the CPU
+    /// without those that the occlusion test hides. Mean of the samples, sum of the eyes. OpenGL
+    /// counts splats of a picture that stays on the GPU as listed until stp_draw_gl_finish_stats
     uint64_t splats, triangles;
     uint64_t listed_splats, listed_triangles; ///< of the list: what was looked at
     uint64_t fragments, covered_pixels;

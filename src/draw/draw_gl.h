@@ -44,10 +44,10 @@ STP_MUST_USE stp_result stp_draw_gl_create(stp_context* context, stp_store* stor
 /// picture size.
 uint32_t stp_draw_gl_texture(const stp_renderer* renderer);
 
-/// Gets the GPU times (draw_ms, shade_ms), fragments and covered pixels of the last picture. They
-/// are known when the picture is finished: if it stayed on the GPU, call this after a fence or
-/// glFinish, or the call waits. Leaves the other fields of `stats` unchanged, as set by the drawing
-/// call.
+/// Gets what the GPU knows of the last picture: times (draw_ms, shade_ms, effect_ms, layer_ms),
+/// splats, fragments and covered pixels. They are known when the picture is finished: if it stayed
+/// on the GPU, call this after a fence or glFinish, or the call waits. Leaves the other fields of
+/// `stats` unchanged, as set by the drawing call.
 void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats);
 
 /// How splats are drawn; the picture is the same.

@@ -16,8 +16,8 @@ enum { STP_LAYERS_MAX = 64 }; ///< maximum layers per pixel; farther ones are le
 // Below this transmittance, farther layers are skipped.
 #define STP_LAYERS_CLEAR (1.0f / 1024.0f)
 
-/// Units of optical depth, whose sums are optical depths of several layers: half of the light passes
-/// one. Whole numbers, so that sums do not depend on the order.
+/// Units of optical depth, whose sums are optical depths of several layers: half of the light
+/// passes one. Whole numbers, so that sums do not depend on the order.
 #define STP_OPTICAL_UNIT 4096
 /// Optical depth of an opacity, below STP_ALPHA_OPAQUE_FROM; rounds it to a byte.
 static inline uint32_t stp_optical_depth(float opacity)

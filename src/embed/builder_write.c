@@ -67,7 +67,8 @@ static const char* method_names(const stp_write_desc* desc)
     return desc->methods != NULL ? desc->methods : "blue";
 }
 
-/// Whether there is something to build, by known methods and a possible ratio; else the builder can still be used.
+/// Whether there is something to build, by known methods and a possible ratio; else the builder can
+/// still be used.
 static stp_result check_write(const stp_builder* builder, const stp_write_desc* desc)
 {
     const stp_method* methods[METHODS_MAX];

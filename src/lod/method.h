@@ -23,8 +23,8 @@ stp_method_options stp_method_options_default(void);
 /// Input of methods other than `blue`. Arrays belong to the caller, and are only read.
 typedef struct stp_method_source {
     const stp_splats* samples; ///< the node's set of `blue`: evenly spread
-    /// Opaque triangles of the node whose level (base/splats/triangle_level.h) is above the coverage
-    /// radius of all samples: 9 floats each, finite.
+    /// Opaque triangles of the node whose level (base/splats/triangle_level.h) is above the
+    /// coverage radius of all samples: 9 floats each, finite.
     const float* corners;
     uint32_t triangle_count;
     bool two_sided; ///< a cloud without normals: the signs of the samples' normals are a guess
@@ -65,8 +65,8 @@ uint32_t stp_method_columns(const stp_method* method, const stp_method_options* 
 /// whose ellipses are of all sets.
 bool stp_methods_want_coarse(const stp_method* const* methods, uint32_t count);
 
-/// Ellipses for few splats (docs/algorithms/progressive-sets.md, Coarse ellipses). The build makes them beside
-/// `blue`; users do not choose them, so they are not in the table.
+/// Ellipses for few splats (docs/algorithms/progressive-sets.md, Coarse ellipses). The build makes
+/// them beside `blue`; users do not choose them, so they are not in the table.
 extern const stp_method stp_method_coarse;
 
 /// Finds a method of the table by name or id. @return NULL if there is none

@@ -41,9 +41,10 @@ typedef struct stp_raster_splats {
     /// How far a disk seen from behind lies behind its plane, in radii: it may fill a hole but does
     /// not hide front-facing surfaces.
     float back_depth;
-    /// NULL, or 1 per splat: coverage codes (base/splats/coverage.h). A share of at least a quarter (64 of
-    /// 255) makes holes (hashed). A smaller one halves the radius once or more, as long as about a
-    /// pixel is left, so that the remaining part is no thinner and stays at the splat's position.
+    /// NULL, or 1 per splat: coverage codes (base/splats/coverage.h). A share of at least a quarter
+    /// (64 of 255) makes holes (hashed). A smaller one halves the radius once or more, as long as
+    /// about a pixel is left, so that the remaining part is no thinner and stays at the splat's
+    /// position.
     const uint8_t* coverages;
     bool plain_coverages; ///< plain shares of 255
     /// Coverages of another octave for splats below low_count, with a weight of low_share / 256; 0:
@@ -82,8 +83,8 @@ typedef struct stp_raster_levels {
     float minimum;   ///< lower bound everywhere
     uint32_t divide; ///< splats before it use `below` at any depth; 0: none
     float below;
-    /// NULL, or 1 per splat (base/splats/splat_codes.h): the view direction lowers the levels of the
-    /// ranges. Ignored with a minimum: its cut is one of the whole ranges. Requires normals.
+    /// NULL, or 1 per splat (base/splats/splat_codes.h): the view direction lowers the levels of
+    /// the ranges. Ignored with a minimum: its cut is one of the whole ranges. Requires normals.
     const uint32_t* errors;
     /// NULL, or one per STP_GROUP_SPLATS splats (from splat 0 on): culls groups outside the picture
     /// and, with `one_sided`, groups whose splats all face away.
@@ -94,9 +95,9 @@ typedef struct stp_raster_levels {
 } stp_raster_levels;
 
 /// Sets a bit per splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end)
-/// whose ranges (base/splats/splat_codes.h) contain the level at their depth, and clears the others. Of
-/// `splats`, only positions, `wanted` and, with errors, normals are used: unwanted splats are skipped. @return whether any
-/// bit is set
+/// whose ranges (base/splats/splat_codes.h) contain the level at their depth, and clears the
+/// others. Of `splats`, only positions, `wanted` and, with errors, normals are used: unwanted
+/// splats are skipped. @return whether any bit is set
 bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,
                             const uint32_t* ranges, const stp_raster_levels* levels,
                             uint16_t* bits);

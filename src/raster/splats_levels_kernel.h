@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Tests each splat's range of levels, sixteen at a time (Dachsbacher et al. 2003, 3.6): branch-free
-// loops that every variant compiles for its own instruction set. With split errors, the direction to
-// the eye lowers the levels of a range (3.7).
+// loops that every variant compiles for its own instruction set. With split errors, the direction
+// to the eye lowers the levels of a range (3.7).
 #pragma once
 
 #include "base/splats/coverage.h"
@@ -117,8 +117,8 @@ static inline void load_errors(const levels_frame* f, uint32_t first, uint32_t c
     }
 }
 
-/// Same as pick_sixteen, but splats before the divide are tested against the other level. Separate because
-/// few pictures need it and it would make the loop above 50 % slower.
+/// Same as pick_sixteen, but splats before the divide are tested against the other level. Separate
+/// because few pictures need it and it would make the loop above 50 % slower.
 static inline uint32_t pick_below(const levels_frame* f, uint32_t first, const uint32_t* ranges,
                                   uint32_t picked)
 {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The looks of materials whose roughness, metal or emission come from textures. Splats name one of
-// at most 256 shadings, so the values of texels are put into bins, and each combination of bins is a
-// variant of the material: material_count + variant counts as one more material.
+// at most 256 shadings, so the values of texels are put into bins, and each combination of bins is
+// a variant of the material: material_count + variant counts as one more material.
 #pragma once
 
 #include "scene/scene.h"

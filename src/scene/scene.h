@@ -2,7 +2,8 @@
 //
 // An imported scene: meshes, point sets, materials, textures, and the objects that place them.
 //
-//   objects (a tree, as the input wrote it: names, ids)       nodes (a graph without cycles, shared)
+//   objects (a tree, as the input wrote it: names, ids)       nodes (a graph without cycles,
+// shared)
 //
 //      plant ── line 1 ── motor ── bolt                        n3 ─┬─ n2 ─┬─ n1 ── n0
 //            └─ line 2 ── motor ── bolt           each object      └──────┘ (two edges, one node)
@@ -221,8 +222,8 @@ typedef struct stp_scene {
     uint64_t bulk_bytes;       ///< size of meshes, point sets and textures in memory
     stp_content_table spilled; ///< by content: spilled meshes, point sets and textures
 
-    /// Per shading (builder/shadings.h): whether its splats are seen from the front only. Set before
-    /// splats are made.
+    /// Per shading (builder/shadings.h): whether its splats are seen from the front only. Set
+    /// before splats are made.
     bool front_only_shadings[256];
     stp_look* looks; ///< by stp_scene_find_looks
     uint32_t look_count, variant_count;

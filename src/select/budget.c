@@ -52,13 +52,14 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define EFFECT_MOST 0.75  // unless all effects take more of the budget than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
 #define EFFECT_FRAMES 15  // for so many frames, before the next one returns
-// Frames with an effect before it is judged. The first frame is cold, but many samples or layers may
-// take so long that a second one is not worth it.
+// Frames with an effect before it is judged. The first frame is cold, but many samples or layers
+// may take so long that a second one is not worth it.
 static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1};
 #define TRIAL_AFTER 40  // late frames in a row before finer splats are tried
 #define TRIAL_PAUSE 120 // frames after a trial that failed
 #define TRIAL_LOSS 1.06 // factor on the time that finer splats may take
 #define TRIAL_FOLLOWS 0.05
+#define TRIAL_NOISE 1.03 // times of a trial rise by no more than this
 #define TREND_FOLLOWS 0.5
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
@@ -408,8 +409,9 @@ static void return_effect(stp_budget* b)
     }
 }
 
-/// If no size meets the budget, larger splats may be no faster, but the model cannot know that while
-/// the size stays the same. So finer splats are tried, and kept as long as they take no more time.
+/// If no size meets the budget, larger splats may be no faster, but the model cannot know that
+/// while the size stays the same. So finer splats are tried, and kept as long as they take no more
+/// time.
 /// @param size  that the model chooses  @return the size to use
 static double try_finer(stp_budget* b, const stp_frame_cost* cost, double size)
 {
@@ -424,10 +426,12 @@ static double try_finer(stp_budget* b, const stp_frame_cost* cost, double size)
     b->late_frames += 1;
     if (!(b->trial_ms > 0.0) && b->late_frames >= TRIAL_AFTER) {
         b->trial_ms = middle;
+        b->trial_limit_ms = middle * TRIAL_NOISE;
     }
     if (b->trial_ms > 0.0 &&
         used <= (double)STP_SPLAT_SIZE_MIN) { // it succeeded: averages the noise of frames
-        b->trial_ms += TRIAL_FOLLOWS * (middle - b->trial_ms);
+        double follows = b->trial_ms + TRIAL_FOLLOWS * (middle - b->trial_ms);
+        b->trial_ms = fmin(follows, b->trial_limit_ms); // not content that grows slowly
     }
     return b->trial_ms > 0.0 ? fmin(size, used * FASTEST_FINER) : size;
 }

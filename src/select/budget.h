@@ -17,7 +17,8 @@ typedef enum stp_controller {
 /// for the predictive controller, if the budget cannot be met otherwise
 #define STP_SPLAT_SIZE_COARSEST 24.0f
 
-/// Effects of a frame that a budget leaves out before splats grow, in the order in which it does so.
+/// Effects of a frame that a budget leaves out before splats grow, in the order in which it does
+/// so.
 typedef enum stp_budget_effect {
     STP_EFFECT_OCCLUSION,    ///< ambient occlusion
     STP_EFFECT_ANTIALIASING, ///< all samples of a pixel but one
@@ -31,8 +32,8 @@ typedef struct stp_frame_cost {
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
     float splat_size; ///< as used
-    /// Parts of the time: what a frame without the effects before this one would have saved by leaving
-    /// it out, too. 0: it was not drawn
+    /// Parts of the time: what a frame without the effects before this one would have saved by
+    /// leaving it out, too. 0: it was not drawn
     double effect_ms[STP_EFFECT_COUNT];
 } stp_frame_cost;
 
@@ -76,6 +77,7 @@ typedef struct stp_budget {
     // that it must keep (0: there is none)
     int32_t late_frames;
     double trial_ms;
+    double trial_limit_ms; ///< what it may rise to
     stp_budget_effect_state effects[STP_EFFECT_COUNT];
     uint32_t calm_frames; ///< in a row that would have had time for the effect that returns next
 } stp_budget;
@@ -87,8 +89,8 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
-/// Effects that the next frame must not have, as bits 1 << stp_budget_effect. Splats grow after all of
-/// them are left out. 0 with the paper's controller.
+/// Effects that the next frame must not have, as bits 1 << stp_budget_effect. Splats grow after all
+/// of them are left out. 0 with the paper's controller.
 uint32_t stp_budget_left_out(const stp_budget* budget);
 
 /// Whether no effect is about to return.

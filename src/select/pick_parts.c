@@ -150,8 +150,8 @@ static bool is_opaque_at(const mask_source* source, const uint32_t vertices[3],
     return stp_pick_mask_has(&source->mask, corners, share);
 }
 
-/// Whether the side of a triangle that the ray meets is drawn. The axes across the ray are those of a
-/// picture whose rows go down.
+/// Whether the side of a triangle that the ray meets is drawn. The axes across the ray are those of
+/// a picture whose rows go down.
 static bool is_shown(const mask_source* source, const corner* a, const corner* b, const corner* c)
 {
     double turn = (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);

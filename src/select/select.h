@@ -91,8 +91,8 @@ typedef struct stp_draw_item {
     /// Levels compared with splat ranges: the error in item space allowed at depth 1, and the error
     /// allowed anywhere. Unused for sets without ranges.
     float level_per_depth, level_min;
-    // State of a set refined by splits (base/splats/progressive.h): splats before `divide` are compared
-    // with another level.
+    // State of a set refined by splits (base/splats/progressive.h): splats before `divide` are
+    // compared with another level.
     uint32_t divide;   ///< 0: one level for all, as in all other sets
     float level_below; ///< level of splats [0, divide), at any depth
     /// Splats of the prefix outside the state, or in no run of a scattered item
@@ -105,8 +105,9 @@ typedef struct stp_draw_item {
     bool is_level;
     uint32_t level;
     float level_from;
-    /// Mesh: draws triangles whose level (store/sets/large_triangles.h) is at least the item's level at
-    /// their nearest corner. Such items follow the item of the set beside which they are drawn.
+    /// Mesh: draws triangles whose level (store/sets/large_triangles.h) is at least the item's
+    /// level at their nearest corner. Such items follow the item of the set beside which they are
+    /// drawn.
     bool large;
     float large_min;       ///< no view draws triangles of a lower level beside this set
     float large_from;      ///< this view draws no triangles of a lower level
@@ -204,9 +205,9 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 /// The list of a view with two eyes holds the items that either eye needs, as fine as the nearer
 /// eye needs them. It is drawn once per eye, with the views of select/eyes.h.
 ///
-/// For a streaming store (store/residency/residency.h), only resident data is drawn: a node is opened only if
-/// everything below it has a resident level, and a partly resident set is drawn with larger splats.
-/// References ignore residency.
+/// For a streaming store (store/residency/residency.h), only resident data is drawn: a node is
+/// opened only if everything below it has a resident level, and a partly resident set is drawn with
+/// larger splats. References ignore residency.
 ///
 /// A splat count is distributed by area over the topmost sets of the shown scene, including those
 /// outside the view: each gets one splat before any gets two. Below them only moving nodes are

@@ -113,8 +113,8 @@ void test_plans_make_shared_nodes_once(test_state* test)
     stp_context_destroy(context);
 }
 
-// Beside a point far away, a cloud would lie on a few steps of the whole's grid of positions: its own
-// set is the topmost.
+// Beside a point far away, a cloud would lie on a few steps of the whole's grid of positions: its
+// own set is the topmost.
 void test_plans_leave_out_coarse_grids(test_state* test)
 {
     enum { POINTS = 5000 };

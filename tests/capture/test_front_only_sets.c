@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Splats of single-sided surfaces do not hide what is behind their backs, and are not captured there.
+// Splats of single-sided surfaces do not hide what is behind their backs, and are not captured
+// there.
 #include "tests.h"
 
 #include "capture/capture.h"

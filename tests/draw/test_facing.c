@@ -10,7 +10,7 @@
 #include <math.h>
 
 static const uint8_t red[3] = {200, 40, 40};
-static bool has_splats, is_mirrored, is_clustered;
+static bool has_splats, is_mirrored, is_clustered, is_stretched;
 static bool others_are_two_sided; ///< a second shading, without splats
 static stp_coded_mesh coded[MADE_LIMIT];
 
@@ -25,6 +25,9 @@ static void add_front_only(made_picture* p)
     }
     if (is_mirrored) {
         s->edges[0].transform.m[0][0] = -1.0;
+    }
+    if (is_stretched) {
+        s->edges[0].transform.m[1][1] = 0.9;
     }
     if (is_clustered) {
         const stp_store_mesh* m = &s->meshes[0];
@@ -93,6 +96,26 @@ static void check_scene(test_state* test, bool by_gl)
     made_gl_end(&m);
 }
 
+/// Disks of stretched items are not turned like their surface: none are dropped.
+static void check_stretched(test_state* test, bool by_gl)
+{
+    static made_gl m;
+    bool failed = true;
+    has_splats = is_stretched = true;
+    is_mirrored = is_clustered = others_are_two_sided = false;
+    bool made = made_gl_begin_with(&m, add_front_only, NULL, NULL, &failed);
+    is_stretched = false;
+    m.picture.quality.splats_only = true;
+    int front = made ? count_covered(&m, by_gl, 1.0) : 0;
+    int back = made ? count_covered(&m, by_gl, -1.0) : 0;
+    made_gl_end(&m);
+    CHECK(made || !failed);
+    if (!made) {
+        SKIP("there is no OpenGL");
+    }
+    CHECK(front > 100 && back > front * 9 / 10);
+}
+
 static void check_all(test_state* test, bool by_gl)
 {
     for (int i = 0; i < 8; ++i) {
@@ -145,4 +168,10 @@ void test_picks_pass_backs_of_single_sided_materials(test_state* test)
         stp_coded_mesh_destroy(p.context, &coded[0]);
         made_picture_end(&p);
     }
+}
+
+void test_backs_of_stretched_splats_are_drawn(test_state* test)
+{
+    check_stretched(test, false);
+    check_stretched(test, true);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Radii of points: they reach to the corners of Voronoi cells, close the gaps between the rings of a
-// scanner and of a thinned grid, and leave borders where they are.
+// Radii of points: they reach to the corners of Voronoi cells, close the gaps between the rings of
+// a scanner and of a thinned grid, and leave borders where they are.
 #include "tests.h"
 
 #include "base/math/rng.h"

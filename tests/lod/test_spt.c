@@ -345,8 +345,9 @@ static split_tests test_node(const split_sequence* s, const stp_point_tree* tree
                          level <= highest * stp_range_level(s->ranges[node] >> 16)};
 }
 
-// With split errors, each node tests its own errors and its parent's alone. On each way from the root,
-// the topmost node whose own errors are small enough passes, from any place: there are no holes.
+// With split errors, each node tests its own errors and its parent's alone. On each way from the
+// root, the topmost node whose own errors are small enough passes, from any place: there are no
+// holes.
 void test_spt_split_sequences_select_what_the_traversal_does(test_state* test)
 {
     static cloud c;

@@ -498,8 +498,8 @@ void test_budget_of_the_paper_ignores_effects(test_state* test)
     CHECK(stp_budget_splat_size(&with) == stp_budget_splat_size(&without));
 }
 
-/// Frames with effects among `count` frames from `first`, at a budget of 33 ms: each takes 2 + 18 / s^2
-/// ms, and `effect_ms` where the budget allows effects.
+/// Frames with effects among `count` frames from `first`, at a budget of 33 ms: each takes 2 + 18 /
+/// s^2 ms, and `effect_ms` where the budget allows effects.
 static int count_effects(stp_budget* budget, int count, double effect_ms, double covered)
 {
     int with = 0;
@@ -540,8 +540,8 @@ void test_budget_takes_effects_back_in_a_smaller_picture(test_state* test)
     CHECK(stp_budget_splat_size(&budget) < 1.01f);           // keeps no time for them
 }
 
-/// Detail, samples and effects of a frame: its model has a fixed part, a part that follows the size of
-/// splats, occlusion, 2 x 2 samples and layers.
+/// Detail, samples and effects of a frame: its model has a fixed part, a part that follows the size
+/// of splats, occlusion, 2 x 2 samples and layers.
 typedef struct lavish_machine {
     double fixed_ms, detail_ms; ///< of one sample; the second at size 1
     double occlusion_ms, layer_ms;
@@ -669,4 +669,19 @@ void test_budget_is_never_coarser_without_gain(test_state* test)
         }
         CHECK(size < 1.2);
     }
+}
+
+// Finer splats that took no longer once may do so later, however slowly the content grows.
+void test_budget_gives_finer_splats_up_when_they_cost(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 35.0, .noise = 0.01};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
+    double slowest = 0.0;
+    for (uint64_t frame = 0; frame < 3000; ++frame) {
+        m.detail_ms = frame < 300 ? 1.0 : fmin(exp(0.003 * (double)(frame - 300)), 200.0);
+        stp_frame_cost cost = draw_lavish(&budget, &m, frame);
+        slowest = frame > 2800 ? fmax(slowest, cost.milliseconds) : slowest;
+    }
+    CHECK(slowest < 60.0); // of 236 at a pixel
 }

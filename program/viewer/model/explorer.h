@@ -109,7 +109,8 @@ const char* explorer_label(explorer* e, const stp_outline_item* item, stp_outlin
 const char* explorer_path_above(explorer* e, const stp_outline_item* item, char* text, size_t size);
 bool explorer_is_same(const stp_outline_item* a, const stp_outline_item* b);
 
-/// Finds what is at a pixel of a view; `back_faces` as in stp_pick_desc. @return whether anything is
+/// Finds what is at a pixel of a view; `back_faces` as in stp_pick_desc. @return whether anything
+/// is
 bool explorer_pick(explorer* e, const stp_view* view, bool back_faces, double x, double y,
                    stp_pick* pick);
 /// Selects the picked part (NULL: none) and expands the tree down to it.
@@ -120,8 +121,8 @@ bool explorer_item_box(explorer* e, const stp_outline_item* item, stp_boxd* box)
 /// Bounds of the selected part. @return false if nothing is selected or the part has no content
 bool explorer_chosen_box(explorer* e, stp_boxd* box);
 
-/// Hides, isolates, ghosts or focuses a part; shows it normally again if it already was so. Only one
-/// part is isolated or focused at a time.
+/// Hides, isolates, ghosts or focuses a part; shows it normally again if it already was so. Only
+/// one part is isolated or focused at a time.
 void explorer_mark_item(explorer* e, const stp_outline_item* item, explorer_how how);
 /// Whether a part or one of its ancestors is marked so.
 bool explorer_is_marked(const explorer* e, const stp_outline_item* item, explorer_how how);

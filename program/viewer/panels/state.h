@@ -280,6 +280,6 @@ bool viewer_uses_gl(const viewer* v);
 paint_request request_make(viewer* v);
 
 // report.c
-/// Writes the report at most every 50 ms; immediately if `last`, or when the viewer comes to rest or
-/// starts to work.
+/// Writes the report at most every 50 ms; immediately if `last`, or when the viewer comes to rest
+/// or starts to work.
 void report_write(viewer* v, bool last);

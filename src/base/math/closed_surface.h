@@ -47,8 +47,8 @@ static inline void stp_closed_surface_add(stp_closed_surface* surface,
     surface->volume += stp_dotd(p[0], stp_crossd(p[1], p[2]));
 }
 
-/// 1: closed, and its triangles face outwards; -1: closed, and they face inwards; 0: open, or without
-/// volume.
+/// 1: closed, and its triangles face outwards; -1: closed, and they face inwards; 0: open, or
+/// without volume.
 static inline int stp_closed_surface_side(const stp_closed_surface* surface)
 {
     return surface->edges != 0 || surface->volume == 0.0 ? 0 : surface->volume > 0.0 ? 1 : -1;

@@ -236,6 +236,22 @@ static inline double stp_affine_scale(const stp_affine* a)
     return sqrt(uniform ? column : sum);
 }
 
+/// Whether a transform only rotates, mirrors, moves and scales alike in all directions, to 0.0001.
+static inline bool stp_affine_is_similarity(const stp_affine* a)
+{
+    double most = 0.0, least = HUGE_VAL, shear = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        int next = (c + 1) % 3;
+        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
+        double dot =
+            a->m[0][c] * a->m[0][next] + a->m[1][c] * a->m[1][next] + a->m[2][c] * a->m[2][next];
+        most = square > most ? square : most;
+        least = square < least ? square : least;
+        shear = fabs(dot) > shear ? fabs(dot) : shear;
+    }
+    return most - least <= 1e-4 * most && shear <= 1e-4 * most;
+}
+
 /// Matrix that transforms normals: the cofactors of the linear part. Needs no division and keeps
 /// the side under mirroring. Results are not of unit length.
 static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3])

@@ -10,8 +10,8 @@
 //           In sets that mark splats replaced by large triangles, bit 31 of a disk is that mark,
 //           and a spread of 127 means 1 or unbounded.
 //   range   bits 0-15: lowest level at which the splat is drawn; 16-31: highest.
-//   errors  split errors (Dachsbacher et al. 2003, 3.5): by which shares a view direction lowers the
-//           two levels of the range. Bits 0-3: share of the lowest level seen along the disk
+//   errors  split errors (Dachsbacher et al. 2003, 3.5): by which shares a view direction lowers
+// the           two levels of the range. Bits 0-3: share of the lowest level seen along the disk
 //           (perpendicular error); 4-7: seen along the normal (tangential error); 8-11 and 12-15:
 //           shares of the highest level, which depends on the parent's disk; 16-31: the parent's
 //           normal, octahedral. A share q means (q + 5) / 20.

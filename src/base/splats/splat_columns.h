@@ -116,7 +116,8 @@ typedef struct stp_splats {
     /// 3 per entry, sRGB; the sum of octave_ends entries, octave 0 first. Without a pyramid: one
     /// entry per splat.
     uint8_t* colors;
-    /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255: all
+    /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255:
+    /// all
     uint8_t* coverages;
     uint32_t columns;        ///< STP_SPLATS_*
     uint32_t* shapes;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
@@ -157,7 +158,8 @@ enum {
     STP_SHADING_DOUBLE_SIDED = 2,
     /// The material is blended: coverage is opacity, not holes; since format 1.2
     STP_SHADING_TRANSPARENT = 4,
-    /// Backs are not drawn, as for single-sided materials of glTF. In files by a section of its own.
+    /// Backs are not drawn, as for single-sided materials of glTF. In files by a section of its
+    /// own.
     STP_SHADING_FRONT_ONLY = 8,
 };
 

@@ -4,8 +4,8 @@
 // into one visibility buffer per worker. Then it processes the picture in bands: merges the
 // workers' buffers to the nearest per pixel, clears them for the next frame, and shades the pixels.
 // Merging takes a minimum, so the picture does not depend on the tasks or on which worker drew
-// them. The number of workers is capped (base/core/jobs.h), since each needs a buffer of the picture's
-// size.
+// them. The number of workers is capped (base/core/jobs.h), since each needs a buffer of the
+// picture's size.
 #pragma once
 
 #include "base/core/arena.h"
@@ -221,7 +221,8 @@ typedef struct stp_cpu_renderer {
     uint32_t* asked; ///< indices of textures scheduled for decoding; room for all
     stp_cpu_item* items;
     size_t item_count, item_capacity;
-    uint64_t large_count; ///< triangles tested for drawing together with splats
+    uint64_t large_count;                   ///< triangles tested for drawing together with splats
+    uint64_t drawn_splats, drawn_triangles; ///< of the last picture that drew any sample
     uint32_t task_count;
     stp_cpu_eye eyes[STP_EYES_MAX];
     stp_depth_pyramid
@@ -324,8 +325,8 @@ uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* f
 void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid occludes a box in item space.
 bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box box);
-/// Writes the nearest of the workers' buffers to `depth`, for rows [begin, end): lower bounds of the
-/// true nearness, 0 for background.
+/// Writes the nearest of the workers' buffers to `depth`, for rows [begin, end): lower bounds of
+/// the true nearness, 0 for background.
 void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker);
 
 /// Prepares materials for shading: 256 splat shadings, then those of meshes and points, then the

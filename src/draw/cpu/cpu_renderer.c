@@ -203,8 +203,12 @@ static stp_result draw_part(stp_cpu_renderer* r, const stp_view* view, const stp
         stats->triangles += r->workers[i].triangles;
         stats->covered_pixels += r->workers[i].covered;
     }
-    stats->splats /= pictures;
-    stats->triangles /= pictures;
+    if (end > first) { // else nothing is left to draw: those of the last pass
+        r->drawn_splats = stats->splats / pictures;
+        r->drawn_triangles = stats->triangles / pictures;
+    }
+    stats->splats = r->drawn_splats;
+    stats->triangles = r->drawn_triangles;
     r->image = NULL;
     r->style = NULL;
     return result;

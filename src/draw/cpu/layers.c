@@ -176,8 +176,8 @@ static float find_below(const stp_cpu_renderer* r, const stp_cpu_item* item, flo
                                      : scale / (scale / (double)nearness + thickness));
 }
 
-/// Opacity of the layer that stands for all layers in a pixel: the sum of depths includes a triangle
-/// of the layer, but not a splat.
+/// Opacity of the layer that stands for all layers in a pixel: the sum of depths includes a
+/// triangle of the layer, but not a splat.
 static float find_whole_opacity(stp_cpu_layers* l, size_t at, float own, bool splat)
 {
     uint32_t depth = atomic_load_explicit(&l->optical_depths[at], memory_order_relaxed);

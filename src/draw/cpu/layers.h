@@ -5,8 +5,8 @@
 // the previous layer and in front of the opaque surface; the fragment is shaded like any other
 // surface and composited in linear light, front to back. Peeling ends with a pass that finds
 // nothing. With STP_TRANSPARENCY_NEAREST, there is one pass: it also sums up the optical depths of
-// all triangles before the opaque surface, and its layer gets their opacity. (Of splats, the nearest
-// counts: how many overlap differs from pixel to pixel.) Every step is a
+// all triangles before the opaque surface, and its layer gets their opacity. (Of splats, the
+// nearest counts: how many overlap differs from pixel to pixel.) Every step is a
 // minimum, a sum of integers or affects a single pixel: the picture does not depend on threads.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws the clusters of a level: decodes those that suit their depth in small batches. Triangles that
-// are seen from one side alone are left out where that side faces away.
+// Draws the clusters of a level: decodes those that suit their depth in small batches. Triangles
+// that are seen from one side alone are left out where that side faces away.
 #include "draw/cpu/cpu.h"
 
 #include <assert.h>

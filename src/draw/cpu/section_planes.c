@@ -162,10 +162,13 @@ static uint16_t find_shown(const stp_cpu_item* item, uint32_t first, uint32_t co
     return shown;
 }
 
+// Disks of stretched items are turned as if they were not, so their sides are not those of the
+// surface.
 bool stp_cpu_drops_backs(const stp_cpu_renderer* r, const stp_cpu_item* item)
 {
     return item->kind == STP_DRAW_SPLATS && r->front_only != STP_FRONT_ONLY_NONE &&
-           !item->splats.unknown_signs && !stp_cpu_draws_backs(r);
+           !item->splats.unknown_signs && stp_affine_is_similarity(&item->draw->transform) &&
+           !stp_cpu_draws_backs(r);
 }
 
 /// Bits of up to 16 splats that do not face away, or may.
@@ -192,8 +195,8 @@ static uint16_t find_fronts(const stp_cpu_renderer* r, const stp_cpu_item* item,
     return fronts;
 }
 
-/// From where the splats of an item are seen, in steps of their grid. @return false if none are left
-/// out for facing away
+/// From where the splats of an item are seen, in steps of their grid. @return false if none are
+/// left out for facing away
 static bool find_grid_eye(const stp_cpu_renderer* r, const stp_cpu_item* item,
                           const stp_raster_splats* splats, float eye[3])
 {

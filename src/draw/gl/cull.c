@@ -58,7 +58,8 @@ static cluster_kinds choose_kinds(const stp_gl_renderer* r, const item_block* it
     return kinds;
 }
 
-/// Adds a cluster of `triangles`, of which a share is drawn. @return the record; NULL if out of memory
+/// Adds a cluster of `triangles`, of which a share is drawn. @return the record; NULL if out of
+/// memory
 static record_block* add_cluster(stp_gl_renderer* r, uint32_t index, cluster_kinds kinds,
                                  uint32_t cluster, uint32_t triangles, float share)
 {

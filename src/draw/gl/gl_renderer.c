@@ -133,6 +133,17 @@ static stp_result begin_picture(stp_gl_renderer* r, const stp_view* view, const 
     return stp_gl_target_make(r, view, side > 1);
 }
 
+/// Splats of a finished picture: those that reached the picture, in front or not. As many as listed
+/// if the driver does not count them.
+static uint64_t count_splats(stp_gl_renderer* r)
+{
+    uint64_t listed = r->target.eye_count * r->list->splat_count;
+    uint64_t computed = stp_gl_shade_pass_read(r, GL_COUNTER_SPLATS);
+    uint64_t drawn = r->target.eye_count * r->timer.drawn_splats +
+                     computed / (r->counted_samples > 0 ? r->counted_samples : 1);
+    return r->timer.counts && drawn < listed ? drawn : listed;
+}
+
 /// Times and pixels of a picture in progress (those of an earlier one), or finished.
 static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
 {
@@ -141,9 +152,7 @@ static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
     double parts = (double)r->counted_samples * r->target.eye_count;
     stats->covered_pixels = done ? stp_gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
-    uint64_t computed = done ? stp_gl_shade_pass_read(r, GL_COUNTER_SPLATS) : 0;
-    stats->splats = r->target.eye_count * r->timer.drawn_splats +
-                    computed / (r->counted_samples > 0 ? r->counted_samples : 1);
+    stats->splats = done ? count_splats(r) : r->target.eye_count * r->list->splat_count;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
     stats->effect_ms = parts * r->timer.effect_ms;
@@ -163,7 +172,7 @@ static void count_picture(stp_gl_renderer* r, uint32_t samples, double cpu_ms, b
     r->counted_samples = samples;
     stats->draw_ms = cpu_ms;
     read_times(r, done, stats);
-    stats->triangles = eyes * r->frame.drawn_triangles;
+    stats->triangles = r->frame.drawn_triangles;
     stats->listed_splats = eyes * r->list->splat_count;
     stats->listed_triangles = eyes * (r->list->triangle_count + r->frame.large_count);
     stats->draw_calls = r->draw_calls;

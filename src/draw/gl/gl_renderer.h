@@ -120,7 +120,7 @@ typedef struct stp_gl_frame {
     uint32_t coming;        ///< uploads postponed to later frames
     bool beside;            ///< large triangles of the previous set are drawn
     uint64_t large_count;
-    uint64_t drawn_triangles; ///< of clusters in view, and large ones
+    uint64_t drawn_triangles; ///< of clusters in view, and all large ones; of all eyes
     stp_gl_cluster_shares shares;
     uint32_t* marks; ///< one bit per cluster of a mesh: it contains large triangles of the item
     size_t mark_capacity;
@@ -252,7 +252,8 @@ STP_MUST_USE stp_result stp_gl_triangle_pass_draw(stp_gl_renderer* r);
 STP_MUST_USE stp_result stp_gl_portion_draw(stp_gl_renderer* r, GLenum mode,
                                             const stp_gl_commands* commands, GLintptr offset,
                                             GLintptr count_offset);
-/// If the picture may be cancelled, waits for everything drawn so far. @return as stp_gl_portion_draw
+/// If the picture may be cancelled, waits for everything drawn so far. @return as
+/// stp_gl_portion_draw
 STP_MUST_USE stp_result stp_gl_portion_wait(stp_gl_renderer* r);
 
 STP_MUST_USE stp_result stp_gl_shade_pass_create(stp_gl_renderer* r);
@@ -265,6 +266,7 @@ STP_MUST_USE stp_result stp_gl_shade_pass_add(stp_gl_renderer* r);
 STP_MUST_USE stp_result stp_gl_shade_pass_average(stp_gl_renderer* r);
 /// Sets all counters to 0.
 void stp_gl_shade_pass_clear(stp_gl_renderer* r);
+void stp_gl_shade_pass_clear_counter(stp_gl_renderer* r, stp_gl_counter counter);
 /// Waits for the GPU. @return a counter since the reset
 uint32_t stp_gl_shade_pass_read(stp_gl_renderer* r, stp_gl_counter counter);
 

@@ -369,7 +369,7 @@ stp_result stp_gl_frame_make(stp_gl_renderer* r)
     }
     f->record_count = f->chunk_count = f->item_count = 0;
     f->large_count = 0;
-    f->drawn_triangles = 0;
+    f->drawn_triangles = r->eye == 0 ? 0 : f->drawn_triangles; // of all eyes
     if (r->eye == 0) { // for the picture, not only its last eye
         f->missing = f->coming = 0;
         r->pool.uploaded_bytes = 0;

@@ -191,7 +191,13 @@ static stp_result draw_layer(stp_gl_renderer* r, int number)
             stp_gl_timer_end_count(gl, &r->timer);
         }
         gl->Disable(GL_PROGRAM_POINT_SIZE);
+        if (pass->count == 0) {
+            stp_gl_timer_begin_count(gl, &r->timer, GL_COUNTED_LARGE_GLASS);
+        }
         stp_gl_splat_pass_large(r, pass->large);
+        if (pass->count == 0) {
+            stp_gl_timer_end_count(gl, &r->timer);
+        }
     }
     return result;
 }

@@ -245,7 +245,8 @@ stp_result stp_gl_set_item_make(stp_gl_renderer* r, uint32_t index)
     placed->step = known->step;
     r->frame.beside = false;
     placed->unknown_signs = known->unknown_signs;
-    item->flags |= known->unknown_signs ? ITEM_UNSIGNED : 0u;
+    bool sides = !known->unknown_signs && stp_affine_is_similarity(&draw->transform);
+    item->flags |= sides ? 0u : ITEM_SIDELESS;
     if ((known->columns & STP_SPLATS_SHAPES) != 0 && (item->flags & ITEM_FIXED) == 0) {
         item->flags |= ITEM_SHAPES;
         float larger = draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;

@@ -114,6 +114,13 @@ void stp_gl_shade_pass_clear(stp_gl_renderer* r)
     r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
 }
 
+void stp_gl_shade_pass_clear_counter(stp_gl_renderer* r, stp_gl_counter counter)
+{
+    const uint32_t none = 0;
+    GLintptr at = (GLintptr)counter * (GLintptr)sizeof(none);
+    r->gl.NamedBufferSubData(r->shade.counters, at, sizeof(none), &none);
+}
+
 uint32_t stp_gl_shade_pass_read(stp_gl_renderer* r, stp_gl_counter counter)
 {
     assert(counter < GL_COUNTERS);

@@ -230,7 +230,7 @@ stp_result stp_gl_splat_choice_measure(stp_gl_renderer* r)
     }
     gl->DeleteQueries(2, queries);
     gl->DeleteBuffers(1, &splats.buffer);
-    stp_gl_shade_pass_clear(r); // drew no splats of the picture
+    stp_gl_shade_pass_clear_counter(r, GL_COUNTER_SPLATS); // drew none of the picture
     c->measured = result == STP_OK;
     c->pixels = (uint64_t)r->target.width * r->target.height;
     r->draw_calls = draw_calls;

@@ -82,7 +82,7 @@ static uint64_t read_splats(const stp_gl* gl, const stp_gl_timer* timer)
         if ((timer->counted[timer->first] >> i & 1u) != 0) {
             gl->GetQueryObjectui64v(timer->splats[timer->first][i], GL_QUERY_RESULT, &drawn);
         }
-        splats += i == GL_COUNTED_LARGE ? drawn / 2 : drawn;
+        splats += i >= GL_COUNTED_LARGE ? drawn / 2 : drawn;
     }
     return splats;
 }

@@ -21,6 +21,7 @@ typedef enum stp_gl_counted {
     GL_COUNTED_LATE_POINTS, ///< of the pass after the occlusion test
     GL_COUNTED_GLASS,       ///< of the first layer
     GL_COUNTED_LARGE,       ///< two triangles each
+    GL_COUNTED_LARGE_GLASS, ///< of the first layer, likewise
     GL_COUNTED_DRAWS
 } stp_gl_counted;
 

@@ -93,7 +93,7 @@
 #define ITEM_BESIDE 64u            // omits splats that large triangles replace
 #define ITEM_LARGE 128u            // omits triangles with too low a level
 #define ITEM_FIXED 256u            // fixed-size points, drawn in full
-#define ITEM_UNSIGNED 512u         // the signs of its normals are unknown
+#define ITEM_SIDELESS 512u         // its splats do not tell which of their sides is seen
 #define ITEM_GROWTHS 1024u         // splats have radii by their shadings
 #define ITEM_ERRORS 2048u          // the view direction lowers the levels of ranges
 #define SHAPE_REPLACED 0x80000000u // bit of a disk's shape: large triangles replace it
@@ -225,8 +225,8 @@ struct material_block {
     vec4 base_color;
     vec4 numbers;  // metallic, roughness, alpha cutoff, alpha mode
     vec4 emissive; // and whether it is unlit
-    // for base colour, metallic and roughness, emissive: two rows of a transform, the first with the
-    // set of texture coordinates as fourth
+    // for base colour, metallic and roughness, emissive: two rows of a transform, the first with
+    // the set of texture coordinates as fourth
     vec4 uses[6];
 };
 

@@ -177,7 +177,10 @@ vec3 turn_normal(const item_block item, vec2 code)
 // Whether a splat of a single-sided material faces away.
 bool is_back(const record_block record, const item_block item, uint local, const splat_place splat)
 {
-    if (item.kind != KIND_SPLATS || (item.flags & (ITEM_FACING | ITEM_UNSIGNED)) != 0u) {
+    if (item.kind != KIND_SPLATS || (item.flags & (ITEM_FACING | ITEM_SIDELESS)) != 0u) {
+        return false;
+    }
+    if (!(splat.w > 0.0)) { // behind the eye, and so close that it is drawn as large
         return false;
     }
     vec2 screen = splat.position.xy / splat.w;

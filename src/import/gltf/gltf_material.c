@@ -290,8 +290,8 @@ static bool look_at_primitive(const json_t* primitive, stp_material* materials, 
     return triangles && material == NULL;
 }
 
-// Decides which materials are drawn from the front only. Adds the default material (3.9.6), which is
-// single-sided, if triangles have it.
+// Decides which materials are drawn from the front only. Adds the default material (3.9.6), which
+// is single-sided, if triangles have it.
 static stp_result settle_sides(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     stp_scene* scene = gltf->import->scene;

@@ -2,8 +2,8 @@
 //
 // OFF, the Object File Format of Geomview, as text: positions, and normals, colours and texture
 // coordinates of vertices in the variants NOFF, COFF and STOFF. Positions are read as doubles, so
-// national grids keep their precision. A vertex or face ends with its line; colours of faces are not
-// kept. The default up axis is y.
+// national grids keep their precision. A vertex or face ends with its line; colours of faces are
+// not kept. The default up axis is y.
 #include "import/reading/point_columns.h"
 #include "import/reading/smooth.h"
 #include "import/reading/surface.h"

@@ -181,7 +181,8 @@ void stp_ply_wedges_begin_face(stp_ply_wedges* w);
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_wedges_read(stp_ply_wedges* w, stp_ply_cursor* cursor,
                                             const stp_ply_property* property, bool* good);
-/// Adds the triangles of the face. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Adds the triangles of the face. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY
+/// (logged)
 STP_MUST_USE stp_result stp_ply_wedges_add(stp_ply_wedges* w, const float* positions,
                                            const uint32_t* corners, size_t count);
 
@@ -277,6 +278,6 @@ typedef struct stp_ply_vertices {
     stp_ply_room room;
 } stp_ply_vertices;
 
-/// Adds the triangles to the scene, and takes arrays from `v` and `f`. @return STP_OK, or a failure,
-/// logged
+/// Adds the triangles to the scene, and takes arrays from `v` and `f`. @return STP_OK, or a
+/// failure, logged
 STP_MUST_USE stp_result stp_ply_add_mesh(stp_ply_vertices* v, stp_ply_faces* f);

@@ -19,11 +19,11 @@ typedef struct stp_import_desc {
     /// Columns of point texts: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order; NULL:
     /// detected from the header, or from number and values
     const char* columns;
-    /// Above 0: meshes without normals get smooth ones across edges up to this angle, in degrees, at
-    /// most 180 (import/reading/smooth.h)
+    /// Above 0: meshes without normals get smooth ones across edges up to this angle, in degrees,
+    /// at most 180 (import/reading/smooth.h)
     double smooth_degrees;
-    /// Not NULL: point formats with a header describe it here. If that is all (`alone`), as for LAS,
-    /// no points are read; PCD and E57 read them as usual.
+    /// Not NULL: point formats with a header describe it here. If that is all (`alone`), as for
+    /// LAS, no points are read; PCD and E57 read them as usual.
     struct stp_scan_info* scan;
     /// Not 0: reads about this many points from all over the file, without warnings; see
     /// stp_import_sample.

@@ -42,7 +42,8 @@ static stp_vec3 unit(stp_vec3 v)
     return length > 0.0f && length < HUGE_VALF ? stp_scale(v, 1.0f / length) : (stp_vec3){0, 0, 0};
 }
 
-/// The angle of a cosine, to 0.0001: faster than the C library's, and the same on all machines (Abramowitz and Stegun: Handbook of Mathematical Functions. 1964, 4.4.45).
+/// The angle of a cosine, to 0.0001: faster than the C library's, and the same on all machines
+/// (Abramowitz and Stegun: Handbook of Mathematical Functions. 1964, 4.4.45).
 static float angle_of(float cosine)
 {
     float x = stp_min(fabsf(cosine), 1.0f);

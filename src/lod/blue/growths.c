@@ -114,8 +114,8 @@ static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucke
     }
 }
 
-/// Cuts a cell by the points around it: of its own cell of the grid first, which leaves little to do
-/// for the others.
+/// Cuts a cell by the points around it: of its own cell of the grid first, which leaves little to
+/// do for the others.
 static void cut_by_grid(plane_cell* cell, const stp_grid* grid, uint32_t limit)
 {
     int32_t x = stp_grid_cell(grid, cell->point.x), y = stp_grid_cell(grid, cell->point.y),

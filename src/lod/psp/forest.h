@@ -127,19 +127,19 @@ void stp_psp_splats_destroy(stp_context* context, stp_psp_splats* splats);
 typedef struct stp_psp_sequence {
     uint32_t count;
     uint32_t* splats; ///< numbers in the forest
-    /// Codes (base/splats/splat_codes.h). The lowest level is 0 for samples and above 0 for merges that
-    /// are split
+    /// Codes (base/splats/splat_codes.h). The lowest level is 0 for samples and above 0 for merges
+    /// that are split
     uint32_t* ranges;
     float* highest_left; ///< highest level among a splat and all after it
 } stp_psp_sequence;
 
 #define STP_PSP_RANK_MAX 0x1p-40f ///< all ranks of merges are lower levels
 
-/// Replaces the levels of a forest by ranks, with which its sequence is the paper's record of merges:
-/// splits undo the merges in reverse order. Ranks are levels below any size that a view asks for, so
-/// it draws the splats that were left, and a count of splats draws the state of that count.
-/// With more than about 40,000 merges, runs of consecutive merges share ranks, and are undone in
-/// another order within a run.
+/// Replaces the levels of a forest by ranks, with which its sequence is the paper's record of
+/// merges: splits undo the merges in reverse order. Ranks are levels below any size that a view
+/// asks for, so it draws the splats that were left, and a count of splats draws the state of that
+/// count. With more than about 40,000 merges, runs of consecutive merges share ranks, and are
+/// undone in another order within a run.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the levels are unchanged)
 STP_MUST_USE stp_result stp_psp_rank_merges(stp_context* context, stp_psp_forest* forest);
 
@@ -149,8 +149,8 @@ STP_MUST_USE stp_result stp_psp_sequence_make(stp_context* context, const stp_ps
                                               stp_psp_sequence* sequence);
 /// Shortens a sequence to states of at most `limit` splats; the base set always stays. What is not
 /// split any more becomes a leaf, which is drawn down to level 0.
-/// @param left_out the level from which on nothing that was left out would be drawn, rounded up to a
-/// code; 0 if all stays
+/// @param left_out the level from which on nothing that was left out would be drawn, rounded up to
+/// a code; 0 if all stays
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged; the sequence is unchanged)
 STP_MUST_USE stp_result stp_psp_sequence_shorten(stp_context* context, stp_psp_sequence* sequence,
                                                  uint32_t limit, float* left_out);

@@ -52,7 +52,8 @@ typedef struct stp_tree_points {
 typedef enum stp_tree_error {
     STP_TREE_GEOMETRIC, ///< combined, independent of the view direction (3.4, "unified")
     STP_TREE_DIAMETER,  ///< diameter of the disk, as in QSplat
-    /// As STP_TREE_GEOMETRIC; sets also have its two parts, which a view direction weights ("split")
+    /// As STP_TREE_GEOMETRIC; sets also have its two parts, which a view direction weights
+    /// ("split")
     STP_TREE_SPLIT,
 } stp_tree_error;
 

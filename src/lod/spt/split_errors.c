@@ -11,8 +11,8 @@ enum {
     RATIO_MAX = 4, ///< of a node's two errors; the smaller one is raised to it
 };
 
-/// Maximum of d x / a: the angle x between two points that are a apart, seen from a distance d. Angles
-/// beyond that which changes the error from its lowest to its highest share do not count.
+/// Maximum of d x / a: the angle x between two points that are a apart, seen from a distance d.
+/// Angles beyond that which changes the error from its lowest to its highest share do not count.
 #define DIRECTION_FACTOR 1.12
 
 typedef struct maker {

@@ -5,8 +5,8 @@
 
 #include "lod/spt/node_splats.h"
 
-/// By which factor the ranges of a node's children overlap more than with unified errors. A view sees
-/// the node and a child from two directions, so the node's error differs in the two
+/// By which factor the ranges of a node's children overlap more than with unified errors. A view
+/// sees the node and a child from two directions, so the node's error differs in the two
 /// (docs/algorithms/point-trees.md, Split errors).
 double stp_split_overlap(const stp_point_tree* tree, uint32_t node);
 
