@@ -81,7 +81,8 @@ static bool cut_cell(plane_cell* cell, stp_vec3 offset)
         return false;
     }
     float a = 2.0f * u / square, b = 2.0f * v / square;
-    for (int k = 0; k < DIRECTIONS; ++k) {
+#pragma GCC unroll 1
+    for (int k = 0; k < DIRECTIONS; ++k) { // compiled to vectors, unless it is unrolled first
         float nearness = a * cosines[k] + b * sines[k];
         cell->nearness[k] = stp_max(cell->nearness[k], nearness);
     }
