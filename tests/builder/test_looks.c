@@ -202,13 +202,81 @@ void test_looks_are_few(test_state* test)
         CHECK(v.roughness >= 0.0f && v.roughness <= 1.0f && v.metallic >= 0.0f &&
               v.metallic <= 1.0f && v.emissive[0] >= 0.0f && v.emissive[0] <= 1.0f);
     }
-    const stp_look* look = scene->looks;
+    const stp_look_bins* surfaces = stp_look_surface(scene, scene->looks);
     for (int i = 0; i <= 10; ++i) { // bins hold what is put into them, within half a step
         float metal = (float)i / 10.0f, roughness = 1.0f - metal;
-        uint32_t bin = stp_look_surface_bin(look, metal, roughness);
-        CHECK(fabsf(look->surface.values[bin][0] - metal) < 0.26f);
-        CHECK(fabsf(look->surface.values[bin][1] - roughness) < 0.11f);
+        uint32_t bin = stp_look_surface_bin(surfaces, metal, roughness);
+        CHECK(fabsf(surfaces->values[bin][0] - metal) < 0.26f);
+        CHECK(fabsf(surfaces->values[bin][1] - roughness) < 0.11f);
     }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+/// A scene of `count` materials that share one texture for surfaces and glows, with a mesh each.
+static stp_scene* make_shared(stp_context* context, uint32_t count)
+{
+    stp_scene* scene = NULL;
+    stp_material m = stp_material_default();
+    m.emissive[0] = 1.0f;
+    bool made = stp_scene_create(context, &scene) == STP_OK &&
+                add_texture(scene, surface_texels, &m.emissive_texture.texture);
+    m.metallic_roughness_texture = m.emissive_texture;
+    for (uint32_t i = 0; i < count && made; ++i) {
+        stp_mesh mesh = {.vertex_count = 3, .triangle_count = 1};
+        mesh.positions = stp_alloc_array(context, 9, sizeof(float));
+        mesh.indices = stp_alloc_array(context, 3, sizeof(uint32_t));
+        for (uint32_t k = 0; k < 3; ++k) {
+            mesh.indices[k] = k;
+            memcpy(mesh.positions + 3 * (size_t)k,
+                   (float[3]){(float)(k == 1) + (float)i, (float)(k == 2), 0.0f}, 12);
+        }
+        m.roughness = 1.0f - (float)i / (float)count;
+        made = stp_scene_add_material(scene, &m, &mesh.material) == STP_OK &&
+               stp_scene_add_mesh(scene, &mesh, NULL) == STP_OK;
+    }
+    if (made) {
+        return scene;
+    }
+    stp_scene_destroy(scene);
+    return NULL;
+}
+
+void test_looks_share_the_bins_of_textures(test_state* test)
+{
+    enum { COUNT = 40 };
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = make_shared(context, COUNT);
+    CHECK(scene != NULL && stp_scene_find_looks(scene) == STP_OK);
+    CHECK_EQUAL(COUNT, scene->look_count);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const stp_look* look = &scene->looks[i];
+        CHECK(look->surface == scene->looks[0].surface && look->glow == scene->looks[0].glow);
+        CHECK_EQUAL(i * stp_look_variants(scene, look), look->first_variant);
+        for (uint32_t k = 0; k < stp_look_variants(scene, look); ++k) {
+            CHECK_EQUAL(look->material,
+                        stp_scene_get_variant(scene, look->first_variant + k).material);
+        }
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+static int stop(const stp_progress_report* report, void* user)
+{
+    (void)report;
+    (void)user;
+    return 1;
+}
+
+void test_looks_can_be_cancelled(test_state* test)
+{
+    stp_context* context = NULL;
+    const stp_context_desc desc = {.thread_count = 1, .progress = stop};
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    stp_scene* scene = make_shared(context, 2);
+    CHECK(scene != NULL);
+    CHECK_EQUAL(STP_ERROR_CANCELLED, stp_scene_find_looks(scene));
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
