@@ -366,14 +366,23 @@ uint32_t stp_look_glow_bin(const stp_look_bins* glow, const float color[3])
     return glow->count > 1 ? glow->of_code[glow_code(color, glow->steps)] : 0;
 }
 
+/// The last look that begins at a variant or before: looks without variants come before it.
+static const stp_look* look_of(const stp_scene* scene, uint32_t variant)
+{
+    uint32_t first = 0, end = scene->look_count;
+    assert(variant < scene->variant_count && scene->looks[0].first_variant == 0);
+    while (end - first > 1) {
+        uint32_t middle = first + (end - first) / 2;
+        bool before = scene->looks[middle].first_variant <= variant;
+        first = before ? middle : first;
+        end = before ? end : middle;
+    }
+    return &scene->looks[first];
+}
+
 stp_variant stp_scene_get_variant(const stp_scene* scene, uint32_t variant)
 {
-    uint32_t i = 0;
-    assert(variant < scene->variant_count);
-    while (i + 1 < scene->look_count && scene->looks[i + 1].first_variant <= variant) {
-        i += 1;
-    }
-    const stp_look* look = &scene->looks[i];
+    const stp_look* look = look_of(scene, variant);
     const stp_look_bins *surfaces = stp_look_surface(scene, look),
                         *glows = stp_look_glow(scene, look);
     const stp_material* m = &scene->materials[look->material];
