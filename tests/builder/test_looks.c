@@ -3,6 +3,7 @@
 #include "support_level_scenes.h"
 #include "tests.h"
 
+#include "builder/shadings.h"
 #include "draw/draw.h"
 #include "scene/looks.h"
 #include "select/select.h"
@@ -218,7 +219,7 @@ static stp_scene* make_shared(stp_context* context, uint32_t count)
 {
     stp_scene* scene = NULL;
     stp_material m = stp_material_default();
-    m.emissive[0] = 1.0f;
+    m.emissive[0] = m.emissive[1] = m.emissive[2] = 1.0f;
     bool made = stp_scene_create(context, &scene) == STP_OK &&
                 add_texture(scene, surface_texels, &m.emissive_texture.texture);
     m.metallic_roughness_texture = m.emissive_texture;
@@ -279,4 +280,35 @@ void test_looks_can_be_cancelled(test_state* test)
     CHECK_EQUAL(STP_ERROR_CANCELLED, stp_scene_find_looks(scene));
     stp_scene_destroy(scene);
     stp_context_destroy(context);
+}
+
+static bool add_point(stp_scene* scene, uint32_t material)
+{
+    stp_point_set set = {.point_count = 1, .material = material};
+    set.positions = stp_alloc_array(scene->context, 3, sizeof(float));
+    memset(set.positions, 0, 3 * sizeof(float));
+    return stp_scene_add_point_set(scene, &set, NULL) == STP_OK;
+}
+
+void test_variants_leave_room_for_growths(test_state* test)
+{
+    const uint32_t counts[] = {4, 40, 200, 250}; // of textured materials
+    for (int i = 0; i < 4; ++i) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = make_shared(context, counts[i]);
+        stp_shading_set set;
+        CHECK(scene != NULL && add_point(scene, 0) && stp_scene_find_looks(scene) == STP_OK);
+        CHECK((scene->variant_count > 256) == (i > 0));
+        CHECK_EQUAL(STP_OK, stp_make_shadings(scene, true, &set));
+        CHECK_EQUAL(i < 3, set.has_growths); // 13 and 250 do not fit
+        uint8_t own = set.of_material[scene->looks[0].material];
+        bool alike = true;
+        for (uint32_t k = 0; k < stp_look_variants(scene, &scene->looks[0]); ++k) {
+            alike = alike && set.of_material[stp_look_index(scene, scene->looks, 0, k)] == own;
+        }
+        CHECK(i == 3 || alike == (i > 0));
+        stp_free(context, set.of_material);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
 }
