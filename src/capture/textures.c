@@ -115,10 +115,11 @@ static stp_result add_use(const stp_capture_textures* textures, const stp_textur
     return result;
 }
 
-stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material)
+stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material,
+                                    bool colors_only)
 {
     stp_result result = add_use(textures, &material->base_color_texture, false, textures->pyramids);
-    if (material->look == 0) {
+    if (colors_only || material->look == 0) {
         return result;
     }
     const stp_look* look = &textures->scene->looks[material->look - 1];
@@ -131,12 +132,13 @@ stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_ma
     return result;
 }
 
-stp_result stp_capture_textures_create(const stp_scene* scene, stp_capture_textures** textures)
+stp_result stp_capture_textures_create(const stp_scene* scene, bool colors_only,
+                                       stp_capture_textures** textures)
 {
     stp_capture_textures* made = NULL;
     stp_result result = stp_capture_textures_create_empty(scene, &made);
     for (size_t m = 0; made != NULL && m < scene->material_count && result == STP_OK; ++m) {
-        result = stp_capture_textures_add(made, &scene->materials[m]);
+        result = stp_capture_textures_add(made, &scene->materials[m], colors_only);
     }
     if (result != STP_OK) {
         stp_capture_textures_destroy(made);

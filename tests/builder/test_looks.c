@@ -4,6 +4,7 @@
 #include "tests.h"
 
 #include "builder/shadings.h"
+#include "capture/capture_internal.h"
 #include "draw/draw.h"
 #include "scene/looks.h"
 #include "select/select.h"
@@ -311,4 +312,21 @@ void test_variants_leave_room_for_growths(test_state* test)
         stp_scene_destroy(scene);
         stp_context_destroy(context);
     }
+}
+
+void test_textures_of_colors_only_are_those_of_base_colors(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene = make_shared(context, 2);
+    CHECK(scene != NULL && stp_scene_find_looks(scene) == STP_OK);
+    for (int i = 0; i < 4; ++i) {
+        stp_capture_textures* textures = NULL;
+        scene->materials[2].base_color_texture.texture = i < 2 ? STP_NONE : 0;
+        CHECK_EQUAL(STP_OK, stp_capture_textures_create(scene, i % 2 == 1, &textures));
+        CHECK_EQUAL(i != 1, textures->pyramids[0].level_count != 0); // emission or base colour
+        CHECK_EQUAL(i % 2 == 0, textures->surfaces[0].level_count != 0);
+        stp_capture_textures_destroy(textures);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
 }
