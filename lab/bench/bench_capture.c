@@ -110,7 +110,7 @@ static stp_result measure(stp_scene* scene, const bench_options* options, json_t
     size_t part_count = 0;
     stp_capture_textures* textures = NULL;
     stp_result result = stp_scene_flatten(scene, scene->root, SIZE_MAX, &parts, &part_count);
-    result = result == STP_OK ? stp_capture_textures_create(scene, &textures) : result;
+    result = result == STP_OK ? stp_capture_textures_create(scene, false, &textures) : result;
     stp_capture_desc desc = {.no_fill = true,
                              .textures = textures,
                              .wanted_candidates = options->quick ? 200000 : 1750000};

@@ -382,7 +382,8 @@ stp_result stp_build_levels_make(const stp_scene* scene, const stp_build_levels_
     r.result = list_sources(&r);
     if (r.result == STP_OK && r.source_count > 0) {
         r.result = stp_gate_create(scene->context, desc->memory_bytes, &r.gate);
-        r.result = r.result == STP_OK ? stp_capture_textures_create(scene, &r.textures) : r.result;
+        r.result =
+            r.result == STP_OK ? stp_capture_textures_create(scene, true, &r.textures) : r.result;
         r.result = r.result == STP_OK ? run_all(&r) : r.result;
         r.result = r.result == STP_OK ? collect(&r, levels) : r.result;
         levels->made = r.made;

@@ -177,7 +177,7 @@ static stp_result open_run(run* r)
         return stp_fail_memory(context);
     }
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
-    return result == STP_OK ? stp_capture_textures_create(scene, &r->textures) : result;
+    return result == STP_OK ? stp_capture_textures_create(scene, false, &r->textures) : result;
 }
 
 // Runs one step per thread while there are enough; then single steps on all threads.

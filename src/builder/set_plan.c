@@ -340,7 +340,7 @@ static stp_hash hash_shadings(const planning* p, const stp_node* node)
         hash = hash_shading(p, hash, material);
         uint32_t name = part.kind == STP_PART_MESH ? scene->materials[material].look : 0;
         const stp_look* look = name != 0 ? &scene->looks[name - 1] : NULL;
-        uint32_t variants = look != NULL ? look->surface.count * look->glow.count : 0;
+        uint32_t variants = look != NULL ? stp_look_variants(scene, look) : 0;
         for (uint32_t k = 0; k < variants; ++k) {
             hash = hash_shading(p, hash, stp_look_index(scene, look, 0, 0) + k);
         }

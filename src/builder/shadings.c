@@ -158,13 +158,19 @@ static stp_shading with_growth(stp_shading shading, uint32_t growth)
     return shading;
 }
 
-// Lists the shadings of all used materials, with all growths where materials of points have them.
-static size_t list_places(const reduction* r, bool with_growths, shading_place* places)
+// What the table holds besides the shadings of materials.
+typedef struct table_content {
+    bool growths;  // where materials of points have them
+    bool variants; // else each looks as the mean of its material
+} table_content;
+
+// Lists the shadings of all used materials, and what else the table holds.
+static size_t list_places(const reduction* r, table_content content, shading_place* places)
 {
-    size_t used = 0;
-    for (size_t i = 0; i < r->count; ++i) {
+    size_t used = 0, count = content.variants ? r->count : r->scene->material_count;
+    for (size_t i = 0; i < count; ++i) {
         for (uint32_t s = 0; s < STP_GROWTHS && r->used[i]; ++s) {
-            if (s != STP_GROWTH_PLAIN && !(with_growths && r->of_points[i])) {
+            if (s != STP_GROWTH_PLAIN && !(content.growths && r->of_points[i])) {
                 continue;
             }
             stp_shading shading = with_growth(r->exact[i], s);
@@ -196,10 +202,10 @@ static void link_growths(const shading_place* places, size_t count, stp_shading_
 // Gives every shading its own index: the one its hash names, or the next free one, in the order of
 // their hashes. So splats of a previous build stay valid when other materials are added or
 // removed, except for the few whose indices collide. @return false if there are too many
-static bool place_shadings(const reduction* r, bool with_growths, shading_place* places,
+static bool place_shadings(const reduction* r, table_content content, shading_place* places,
                            stp_shading_set* set)
 {
-    size_t used = list_places(r, with_growths, places);
+    size_t used = list_places(r, content, places);
     qsort(places, used, sizeof(*places), compare_places);
     bool taken[STP_SHADING_LIMIT] = {false};
     size_t distinct = 0;
@@ -233,8 +239,29 @@ static bool place_shadings(const reduction* r, bool with_growths, shading_place*
         set->count = place + 1 > set->count ? place + 1 : set->count;
     }
     assert(set->count >= 1 && set->count <= STP_SHADING_LIMIT);
+    for (uint32_t i = 0; i < r->scene->variant_count && !content.variants; ++i) {
+        set->of_material[r->scene->material_count + i] =
+            set->of_material[stp_scene_get_variant(r->scene, i).material];
+    }
     link_growths(places, used, set);
     return true;
+}
+
+// Places as much as fits: growths close holes, which are seen more than the variants of a material.
+// @return false if the materials and their variants are too many
+static bool place_most(const reduction* r, bool with_growths, shading_place* places,
+                       stp_shading_set* set)
+{
+    bool grow = false;
+    for (size_t i = 0; i < r->count; ++i) {
+        grow = grow || (with_growths && r->of_points[i]);
+    }
+    const table_content contents[] = {{true, true}, {true, false}, {false, true}};
+    bool placed = false;
+    for (size_t i = grow ? 0 : 2; i < 3 && !placed; ++i) {
+        placed = place_shadings(r, contents[i], places, set);
+    }
+    return placed;
 }
 
 // Farthest-point selection: repeatedly takes the shading farthest from those taken (the first of
@@ -298,9 +325,7 @@ stp_result stp_make_shadings(const stp_scene* scene, bool with_growths, stp_shad
             r.exact[scene->material_count + i] = make_variant(&r, i);
         }
         mark_used(&r);
-        bool placed = place_shadings(&r, with_growths, places, set) ||
-                      (with_growths && place_shadings(&r, false, places, set));
-        if (!placed) {
+        if (!place_most(&r, with_growths, places, set)) {
             choose_shadings(&r, set);
         }
     } else {

@@ -23,6 +23,7 @@ typedef struct stp_shading_set {
 /// indices may be unused. Otherwise selects the 256 most different ones, and maps each material to
 /// the nearest. Textures of metallic, roughness and emission count by their mean; the variants of a
 /// material by their own values. With growths, materials of point sets have a further shading for
-/// each, if all fit.
+/// each, if all fit: first together with all variants, then without these, which take the shading
+/// of their material.
 STP_MUST_USE stp_result stp_make_shadings(const stp_scene* scene, bool with_growths,
                                           stp_shading_set* set);

@@ -280,7 +280,7 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
         stp_part part = job->parts[i].part;
         if (part.kind == STP_PART_MESH) {
             uint32_t material = scene->meshes[part.index].material;
-            result = stp_capture_textures_add(*own, &scene->materials[material]);
+            result = stp_capture_textures_add(*own, &scene->materials[material], false);
         }
     }
     job->pyramids = *own != NULL ? (*own)->pyramids : NULL;

@@ -158,9 +158,9 @@ stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_materia
 
 STP_MUST_USE stp_result stp_capture_textures_create_empty(const stp_scene* scene,
                                                           stp_capture_textures** textures);
-/// Makes the mip levels of a material's textures unless they exist.
+/// Makes the mip levels of a material's textures unless they exist; see stp_capture_textures_create.
 STP_MUST_USE stp_result stp_capture_textures_add(stp_capture_textures* textures,
-                                                 const stp_material* material);
+                                                 const stp_material* material, bool colors_only);
 
 /// Like stp_capture_all and stp_capture_parts, with fewer primitives per pass, for tests.
 STP_MUST_USE stp_result stp_capture_all_in_passes(const stp_scene* scene,

@@ -201,22 +201,24 @@ static uint32_t triangle_material(const stp_capture_job* job, const current_part
         return part->material;
     }
     const stp_look* look = &job->scene->looks[material->look - 1];
+    const stp_look_bins *surfaces = stp_look_surface(job->scene, look),
+                        *glows = stp_look_glow(job->scene, look);
     const stp_texture_use *surface = &material->metallic_roughness_texture,
                           *glow = &material->emissive_texture;
     uint32_t bins[2] = {0, 0};
     float texel[4];
     stp_vec2 at;
-    if (look->surface.count > 1) {
+    if (surfaces->count > 1) {
         if (!sample(part->mesh, surface, &job->surfaces[surface->texture], t, &at, texel)) {
             return part->material;
         }
-        bins[0] = stp_look_surface_bin(look, texel[2], texel[1]);
+        bins[0] = stp_look_surface_bin(surfaces, texel[2], texel[1]);
     }
-    if (look->glow.count > 1) {
+    if (glows->count > 1) {
         if (!sample(part->mesh, glow, &job->pyramids[glow->texture], t, &at, texel)) {
             return part->material;
         }
-        bins[1] = stp_look_glow_bin(look, texel);
+        bins[1] = stp_look_glow_bin(glows, texel);
     }
     return stp_look_index(job->scene, look, bins[0], bins[1]);
 }

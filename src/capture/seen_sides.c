@@ -57,7 +57,7 @@ typedef struct seen_job {
     float* drawn_positions;
     uint32_t* drawn_indices;
     uint32_t drawn_count;      ///< vertices
-    const uint8_t* front_only; ///< as in the desc
+    const uint8_t* front_only; ///< as in the desc; NULL if no triangle is drawn from the front only
     /// Of the drawn triangles; NULL: the same. Those drawn from both sides come first
     uint32_t* numbers;
     uint32_t two_sided; ///< how many they are
@@ -112,8 +112,14 @@ static void find_normals(const seen_job* job, stp_vec3* normals)
 /// Puts triangles that are drawn from both sides before the others. @return false if out of memory
 static bool order_triangles(seen_job* job)
 {
-    job->two_sided = job->triangle_count;
-    if (job->front_only == NULL) {
+    job->two_sided = 0;
+    for (uint32_t t = 0; t < job->triangle_count; ++t) {
+        job->two_sided += job->front_only == NULL || job->front_only[t] == 0 ? 1 : 0;
+    }
+    if (job->two_sided == job->triangle_count) {
+        job->front_only = NULL; // no need to look without backs
+    }
+    if (job->front_only == NULL || job->two_sided == 0) {
         return true;
     }
     uint32_t at = 0;
@@ -124,7 +130,6 @@ static bool order_triangles(seen_job* job)
                 job->numbers[at++] = t;
             }
         }
-        job->two_sided = pass == 0 ? at : job->two_sided;
     }
     return job->numbers != NULL;
 }

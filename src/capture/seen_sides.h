@@ -21,7 +21,8 @@ typedef struct stp_seen_desc {
     uint32_t direction_count; ///< in opposite pairs: even, above 26; default 96
     /// Pixels along the diagonal of the bounding box, at most STP_SEEN_RESOLUTION_MAX; default 512.
     /// Smaller openings may be missed. A running task needs about 16 resolution^2 bytes, a call up
-    /// to 48 bytes a triangle.
+    /// to 48 bytes a triangle; 24 and 52 with triangles whose backs are not drawn. These views are
+    /// drawn twice, with backs and without.
     uint32_t resolution;
     /// NULL, or one per triangle: not 0 if its back is not drawn. Sides then count as seen if they
     /// are where backs hide what is behind them, or where those of such triangles do not.

@@ -21,16 +21,6 @@ bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint
     return true;
 }
 
-/// The texture of a use; NULL: none.
-static const stp_texture* used_texture(const stp_scene* scene, const stp_texture_use* use)
-{
-    if (use->texture >= scene->texture_count) {
-        return NULL;
-    }
-    const stp_texture* texture = &scene->textures[use->texture];
-    return texture->texels != NULL && texture->width != 0 && texture->height != 0 ? texture : NULL;
-}
-
 static stp_texture_pyramid level0_of(const stp_texture* texture)
 {
     static const stp_texture_wrap wraps[] = {
@@ -51,7 +41,7 @@ static stp_texture_pyramid level0_of(const stp_texture* texture)
 
 stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_material* material)
 {
-    const stp_texture* texture = used_texture(scene, &material->base_color_texture);
+    const stp_texture* texture = stp_scene_used_texture(scene, &material->base_color_texture);
     return texture != NULL ? level0_of(texture) : (stp_texture_pyramid){0};
 }
 
@@ -108,7 +98,7 @@ stp_result stp_capture_textures_create_empty(const stp_scene* scene,
 static stp_result add_use(const stp_capture_textures* textures, const stp_texture_use* use,
                           bool linear, stp_texture_pyramid* pyramids)
 {
-    const stp_texture* texture = used_texture(textures->scene, use);
+    const stp_texture* texture = stp_scene_used_texture(textures->scene, use);
     if (texture == NULL || pyramids[use->texture].level_count != 0) {
         return STP_OK;
     }
@@ -125,28 +115,30 @@ static stp_result add_use(const stp_capture_textures* textures, const stp_textur
     return result;
 }
 
-stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material)
+stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material,
+                                    bool colors_only)
 {
     stp_result result = add_use(textures, &material->base_color_texture, false, textures->pyramids);
-    if (material->look == 0) {
+    if (colors_only || material->look == 0) {
         return result;
     }
     const stp_look* look = &textures->scene->looks[material->look - 1];
-    if (result == STP_OK && look->surface.count > 1) {
+    if (result == STP_OK && stp_look_surface(textures->scene, look)->count > 1) {
         result = add_use(textures, &material->metallic_roughness_texture, true, textures->surfaces);
     }
-    if (result == STP_OK && look->glow.count > 1) {
+    if (result == STP_OK && stp_look_glow(textures->scene, look)->count > 1) {
         result = add_use(textures, &material->emissive_texture, false, textures->pyramids);
     }
     return result;
 }
 
-stp_result stp_capture_textures_create(const stp_scene* scene, stp_capture_textures** textures)
+stp_result stp_capture_textures_create(const stp_scene* scene, bool colors_only,
+                                       stp_capture_textures** textures)
 {
     stp_capture_textures* made = NULL;
     stp_result result = stp_capture_textures_create_empty(scene, &made);
     for (size_t m = 0; made != NULL && m < scene->material_count && result == STP_OK; ++m) {
-        result = stp_capture_textures_add(made, &scene->materials[m]);
+        result = stp_capture_textures_add(made, &scene->materials[m], colors_only);
     }
     if (result != STP_OK) {
         stp_capture_textures_destroy(made);

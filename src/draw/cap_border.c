@@ -28,6 +28,7 @@ struct stp_cap_border {
     edge* edges;
     size_t count, capacity;
     double area, volume; ///< twice the area, and six times the signed volume
+    double terms;        ///< the sum of the absolute values that volume is the sum of
 };
 
 stp_result stp_cap_border_create(stp_context* context, uint64_t triangles, stp_cap_border** border)
@@ -107,7 +108,9 @@ stp_result stp_cap_border_add(stp_cap_border* b, const float* const corners[3])
     if (!b->second) {
         stp_vec3d n = stp_crossd(stp_subd(p[1], p[0]), stp_subd(p[2], p[0]));
         b->area += sqrt(stp_dotd(n, n));
-        b->volume += stp_dotd(p[0], stp_crossd(p[1], p[2]));
+        double term = stp_dotd(p[0], stp_crossd(p[1], p[2]));
+        b->volume += term;
+        b->terms += fabs(term);
     }
     stp_result result = STP_OK;
     for (int k = 0; k < 3 && result == STP_OK; ++k) {
@@ -219,7 +222,8 @@ stp_result stp_cap_border_side(stp_cap_border* b, int* side)
 {
     assert(b->second && "all triangles are added twice");
     *side = 0;
-    if (b->overflows || b->volume == 0.0) {
+    int sign = stp_volume_sign(b->volume, b->terms);
+    if (b->overflows || sign == 0) {
         return STP_OK;
     }
     cancel_edges(b);
@@ -230,7 +234,7 @@ stp_result stp_cap_border_side(stp_cap_border* b, int* side)
     if (made) {
         join_edges(b, ends, parents);
         if (enclosed_area(b, parents, areas) <= LARGEST_GAP * b->area) {
-            *side = b->volume > 0.0 ? 1 : -1;
+            *side = sign;
         }
     }
     stp_free(b->context, ends);

@@ -37,39 +37,71 @@ static uint32_t glow_code(const float color[3], uint32_t steps)
     return code;
 }
 
+/// What the bins of a texture are found for. A glow of too many variants has fewer steps.
+typedef enum bins_kind {
+    BINS_OF_SURFACE,
+    BINS_OF_GLOW, ///< and those of half, and of a quarter of the steps
+    BINS_KINDS = BINS_OF_GLOW + 3,
+} bins_kind;
+
+/// Steps of each channel of a glow; 1: the mean alone.
+static uint32_t glow_steps(uint32_t kind)
+{
+    assert(kind >= BINS_OF_GLOW && kind < BINS_KINDS);
+    return GLOW_STEPS >> (kind - BINS_OF_GLOW);
+}
+
+/// The code and the three values of a texel, from three of its bytes.
+typedef struct texel_table {
+    uint32_t steps[3];
+    uint8_t channel[3];
+    uint8_t code[3][256]; ///< the sum of three is the code
+    float value[3][256];
+} texel_table;
+
+static void make_surface_table(texel_table* table)
+{
+    *table = (texel_table){.steps = {1, METAL_STEPS, ROUGH_STEPS}, .channel = {2, 1, 0}};
+    for (int i = 0; i < 256; ++i) {
+        float value = (float)i / 255.0f;
+        table->value[0][i] = table->value[1][i] = value;
+        table->code[0][i] = (uint8_t)surface_code(value, 0.0f);
+        table->code[1][i] = (uint8_t)surface_code(0.0f, value);
+    }
+}
+
+static void make_glow_table(uint32_t steps, texel_table* table)
+{
+    *table = (texel_table){.steps = {steps, steps, steps}, .channel = {0, 1, 2}};
+    for (int i = 0; i < 256; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            float color[3] = {0.0f, 0.0f, 0.0f};
+            color[c] = table->value[c][i] = stp_srgb8_to_linear((uint8_t)i);
+            table->code[c][i] = (uint8_t)glow_code(color, steps);
+        }
+    }
+}
+
 /// Sums of the texels of each code.
 typedef struct code_sums {
     uint64_t count[STP_LOOK_CODES];
     double sum[STP_LOOK_CODES][3];
 } code_sums;
 
-static void add_texel(code_sums* sums, uint32_t code, const float value[3])
-{
-    assert(code < STP_LOOK_CODES);
-    sums->count[code] += 1;
-    for (int c = 0; c < 3; ++c) {
-        sums->sum[code][c] += (double)value[c];
-    }
-}
-
-static void add_surfaces(const stp_texture* texture, code_sums* sums)
+static void add_texels(const stp_texture* texture, const texel_table* table, code_sums* sums)
 {
     size_t size = (size_t)texture->width * texture->height;
     for (size_t i = 0; i < size; ++i) {
         const uint8_t* t = texture->texels + 4 * i;
-        const float value[3] = {(float)t[2] / 255.0f, (float)t[1] / 255.0f, 0.0f};
-        add_texel(sums, surface_code(value[0], value[1]), value);
-    }
-}
-
-static void add_glows(const stp_texture* texture, uint32_t steps, code_sums* sums)
-{
-    size_t size = (size_t)texture->width * texture->height;
-    for (size_t i = 0; i < size; ++i) {
-        const uint8_t* t = texture->texels + 4 * i;
-        const float value[3] = {stp_srgb8_to_linear(t[0]), stp_srgb8_to_linear(t[1]),
-                                stp_srgb8_to_linear(t[2])};
-        add_texel(sums, glow_code(value, steps), value);
+        uint32_t code = 0;
+        for (int c = 0; c < 3; ++c) {
+            code += table->code[c][t[table->channel[c]]];
+        }
+        assert(code < STP_LOOK_CODES);
+        sums->count[code] += 1;
+        for (int c = 0; c < 3; ++c) {
+            sums->sum[code][c] += (double)table->value[c][t[table->channel[c]]];
+        }
     }
 }
 
@@ -91,8 +123,12 @@ static void find_mean(const code_sums* sums, float mean[3])
 /// Adds the mean, unless texels have its code.
 static void add_mean(code_sums* sums, uint32_t code, const float mean[3])
 {
+    assert(code < STP_LOOK_CODES);
     if (sums->count[code] == 0) {
-        add_texel(sums, code, mean);
+        sums->count[code] = 1;
+        for (int c = 0; c < 3; ++c) {
+            sums->sum[code][c] = (double)mean[c];
+        }
     }
 }
 
@@ -137,73 +173,132 @@ static void make_bins(const code_sums* sums, const uint32_t steps[3], stp_look_b
     }
 }
 
-/// One bin that changes nothing.
-static void make_plain(stp_look_bins* bins)
+static void find_bins(const stp_texture* texture, uint32_t kind, stp_look_bins* bins)
 {
-    *bins = (stp_look_bins){.count = 1, .values = {{1.0f, 1.0f, 1.0f}}, .steps = 1};
-}
-
-static const stp_texture* texture_of(const stp_scene* scene, const stp_texture_use* use)
-{
-    const stp_texture* texture =
-        use->texture < scene->texture_count ? &scene->textures[use->texture] : NULL;
-    bool there =
-        texture != NULL && texture->texels != NULL && texture->width != 0 && texture->height != 0;
-    return there ? texture : NULL;
-}
-
-static void find_surface(const stp_texture* texture, stp_look_bins* bins)
-{
-    static const uint32_t steps[3] = {1, METAL_STEPS, ROUGH_STEPS};
+    texel_table table;
     code_sums sums = {0};
     float mean[3];
-    add_surfaces(texture, &sums);
-    find_mean(&sums, mean);
-    add_mean(&sums, surface_code(mean[0], mean[1]), mean);
-    make_bins(&sums, steps, bins);
-}
-
-/// @param steps of each channel; 1: the mean alone
-static void find_glow(const stp_texture* texture, uint32_t steps, stp_look_bins* bins)
-{
-    const uint32_t of_channels[3] = {steps, steps, steps};
-    code_sums sums = {0};
-    float mean[3];
-    add_glows(texture, steps, &sums);
-    find_mean(&sums, mean);
-    add_mean(&sums, glow_code(mean, steps), mean);
-    make_bins(&sums, of_channels, bins);
-}
-
-/// Finds the bins of a material's textures.
-static void find_look(const stp_scene* scene, stp_look* look)
-{
-    const stp_material* material = &scene->materials[look->material];
-    const stp_texture* surface = texture_of(scene, &material->metallic_roughness_texture);
-    const stp_texture* glow = texture_of(scene, &material->emissive_texture);
-    bool glows = material->emissive[0] > 0.0f || material->emissive[1] > 0.0f ||
-                 material->emissive[2] > 0.0f;
-    make_plain(&look->surface);
-    make_plain(&look->glow);
-    if (surface != NULL) {
-        find_surface(surface, &look->surface);
+    if (kind == BINS_OF_SURFACE) {
+        make_surface_table(&table);
+    } else {
+        make_glow_table(glow_steps(kind), &table);
     }
-    uint32_t steps = glow != NULL && glows ? GLOW_STEPS : 0;
-    for (; steps > 0; steps /= 2) { // fewer steps, until there are few variants
-        find_glow(glow, steps, &look->glow);
-        if (look->surface.count * look->glow.count <= STP_LOOK_VARIANTS) {
-            break;
+    add_texels(texture, &table, &sums);
+    find_mean(&sums, mean);
+    add_mean(&sums,
+             kind == BINS_OF_SURFACE ? surface_code(mean[0], mean[1])
+                                     : glow_code(mean, glow_steps(kind)),
+             mean);
+    make_bins(&sums, table.steps, bins);
+}
+
+/// What bins are found from.
+typedef struct bins_source {
+    uint32_t texture, kind;
+} bins_source;
+
+/// A search for the bins of all looks. Looks that share a texture share its bins.
+typedef struct look_search {
+    stp_scene* scene;
+    uint32_t* places;     ///< in scene->look_bins, of each texture and kind; 0: not asked for
+    bins_source* sources; ///< of scene->look_bins
+    size_t bins_capacity, source_capacity;
+    uint32_t count, found; ///< bins asked for, and of these the first ones, which are found
+} look_search;
+
+/// Asks for bins. @param place receives their index in scene->look_bins
+static stp_result ask_bins(look_search* s, uint32_t texture, uint32_t kind, uint32_t* place)
+{
+    stp_scene* scene = s->scene;
+    uint32_t* known = &s->places[(size_t)texture * BINS_KINDS + kind];
+    stp_result result = STP_OK;
+    if (*known == 0) {
+        size_t wanted = (size_t)s->count + 1;
+        result = STP_SCENE_MAKE_ROOM(scene->context, scene->look_bins, s->bins_capacity, wanted);
+        result = result == STP_OK
+                     ? STP_SCENE_MAKE_ROOM(scene->context, s->sources, s->source_capacity, wanted)
+                     : result;
+        if (result == STP_OK) {
+            s->sources[s->count] = (bins_source){texture, kind};
+            *known = s->count++;
         }
     }
+    *place = *known;
+    return result;
 }
 
-static void find_looks(size_t begin, size_t end, uint32_t worker, void* user)
+/// Asks for the bins of a look that are not found yet: at first all, then those of fewer steps if it
+/// has too many variants.
+static stp_result ask_look(look_search* s, stp_look* look, bool first)
+{
+    const stp_material* m = &s->scene->materials[look->material];
+    bool glows = m->emissive[0] > 0.0f || m->emissive[1] > 0.0f || m->emissive[2] > 0.0f;
+    stp_result result = STP_OK;
+    if (!first) {
+        bool many = stp_look_variants(s->scene, look) > STP_LOOK_VARIANTS;
+        return many ? ask_bins(s, m->emissive_texture.texture, s->sources[look->glow].kind + 1,
+                               &look->glow)
+                    : STP_OK;
+    }
+    if (stp_scene_used_texture(s->scene, &m->metallic_roughness_texture) != NULL) {
+        result =
+            ask_bins(s, m->metallic_roughness_texture.texture, BINS_OF_SURFACE, &look->surface);
+    }
+    if (result == STP_OK && glows &&
+        stp_scene_used_texture(s->scene, &m->emissive_texture) != NULL) {
+        result = ask_bins(s, m->emissive_texture.texture, BINS_OF_GLOW, &look->glow);
+    }
+    return result;
+}
+
+static void find_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    stp_scene* scene = user;
+    look_search* s = user;
     for (size_t i = begin; i < end; ++i) {
-        find_look(scene, &scene->looks[i]);
+        const bins_source* source = &s->sources[s->found + i];
+        const stp_texture* texture = &s->scene->textures[source->texture];
+        find_bins(texture, source->kind, &s->scene->look_bins[s->found + i]);
     }
+}
+
+/// Finds the bins of all looks: in rounds, because fewer steps are tried only where needed.
+static stp_result search_bins(look_search* s)
+{
+    static const stp_loop_report report = {.stage = "looks", .unit = "textures"};
+    stp_scene* scene = s->scene;
+    stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->look_bins, s->bins_capacity, 1);
+    result = result == STP_OK
+                 ? STP_SCENE_MAKE_ROOM(scene->context, s->sources, s->source_capacity, 1)
+                 : result;
+    if (result == STP_OK) { // one bin that changes nothing
+        scene->look_bins[0] =
+            (stp_look_bins){.count = 1, .values = {{1.0f, 1.0f, 1.0f}}, .steps = 1};
+        s->count = s->found = 1;
+    }
+    for (uint32_t round = 0; round < BINS_KINDS - BINS_OF_GLOW && result == STP_OK; ++round) {
+        for (uint32_t i = 0; i < scene->look_count && result == STP_OK; ++i) {
+            result = ask_look(s, &scene->looks[i], round == 0);
+        }
+        if (result == STP_OK && s->found < s->count) {
+            result = stp_parallel_for_reported(scene->context, s->count - s->found, 1, find_some, s,
+                                               &report);
+            s->found = s->count;
+        }
+    }
+    return result;
+}
+
+static stp_result find_all_bins(stp_scene* scene)
+{
+    look_search s = {.scene = scene};
+    s.places = STP_NEW_ZEROED(scene->context, uint32_t, BINS_KINDS * scene->texture_count + 1);
+    stp_free(scene->context, scene->look_bins);
+    scene->look_bins = NULL;
+    stp_result result = s.places != NULL ? search_bins(&s) : stp_fail_memory(scene->context);
+    stp_free(scene->context, s.places);
+    stp_free(scene->context, s.sources);
+    return result;
 }
 
 /// Lists the materials that may have looks and that triangles have.
@@ -224,8 +319,8 @@ static stp_result list_looks(stp_scene* scene)
     for (uint32_t i = 0; i < scene->material_count && result == STP_OK; ++i) {
         stp_material* m = &scene->materials[i];
         m->look = 0;
-        bool textured = texture_of(scene, &m->metallic_roughness_texture) != NULL ||
-                        texture_of(scene, &m->emissive_texture) != NULL;
+        bool textured = stp_scene_used_texture(scene, &m->metallic_roughness_texture) != NULL ||
+                        stp_scene_used_texture(scene, &m->emissive_texture) != NULL;
         if (!used[i] || !textured || m->unlit) {
             continue;
         }
@@ -243,13 +338,14 @@ static stp_result list_looks(stp_scene* scene)
 stp_result stp_scene_find_looks(stp_scene* scene)
 {
     stp_result result = list_looks(scene);
+    result = result == STP_OK && scene->look_count > 0 ? find_all_bins(scene) : result;
     if (result != STP_OK) {
         return result;
     }
-    stp_parallel_for(scene->context, scene->look_count, 1, find_looks, scene);
     for (uint32_t i = 0; i < scene->look_count; ++i) {
         stp_look* look = &scene->looks[i];
-        uint32_t count = look->surface.count * look->glow.count;
+        uint32_t count = stp_look_variants(scene, look);
+        assert(count <= STP_LOOK_VARIANTS);
         look->first_variant = scene->variant_count;
         if (count > 1) {
             scene->variant_count += count;
@@ -260,29 +356,40 @@ stp_result stp_scene_find_looks(stp_scene* scene)
     return STP_OK;
 }
 
-uint32_t stp_look_surface_bin(const stp_look* look, float metal, float roughness)
+uint32_t stp_look_surface_bin(const stp_look_bins* surface, float metal, float roughness)
 {
-    return look->surface.count > 1 ? look->surface.of_code[surface_code(metal, roughness)] : 0;
+    return surface->count > 1 ? surface->of_code[surface_code(metal, roughness)] : 0;
 }
 
-uint32_t stp_look_glow_bin(const stp_look* look, const float color[3])
+uint32_t stp_look_glow_bin(const stp_look_bins* glow, const float color[3])
 {
-    return look->glow.count > 1 ? look->glow.of_code[glow_code(color, look->glow.steps)] : 0;
+    return glow->count > 1 ? glow->of_code[glow_code(color, glow->steps)] : 0;
+}
+
+/// The last look that begins at a variant or before: looks without variants come before it.
+static const stp_look* look_of(const stp_scene* scene, uint32_t variant)
+{
+    uint32_t first = 0, end = scene->look_count;
+    assert(variant < scene->variant_count && scene->looks[0].first_variant == 0);
+    while (end - first > 1) {
+        uint32_t middle = first + (end - first) / 2;
+        bool before = scene->looks[middle].first_variant <= variant;
+        first = before ? middle : first;
+        end = before ? end : middle;
+    }
+    return &scene->looks[first];
 }
 
 stp_variant stp_scene_get_variant(const stp_scene* scene, uint32_t variant)
 {
-    uint32_t i = 0;
-    assert(variant < scene->variant_count);
-    while (i + 1 < scene->look_count && scene->looks[i + 1].first_variant <= variant) {
-        i += 1;
-    }
-    const stp_look* look = &scene->looks[i];
+    const stp_look* look = look_of(scene, variant);
+    const stp_look_bins *surfaces = stp_look_surface(scene, look),
+                        *glows = stp_look_glow(scene, look);
     const stp_material* m = &scene->materials[look->material];
     uint32_t within = variant - look->first_variant;
-    const float* surface = look->surface.values[within / look->glow.count];
-    const float* glow = look->glow.values[within % look->glow.count];
-    assert(within < look->surface.count * look->glow.count);
+    const float* surface = surfaces->values[within / glows->count];
+    const float* glow = glows->values[within % glows->count];
+    assert(within < surfaces->count * glows->count);
     return (stp_variant){
         .material = look->material,
         .metallic = m->metallic * surface[0],

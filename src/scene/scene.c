@@ -13,6 +13,15 @@ stp_texture_use stp_texture_use_none(void)
     return (stp_texture_use){.texture = STP_NONE, .transform = {{1, 0, 0}, {0, 1, 0}}};
 }
 
+const stp_texture* stp_scene_used_texture(const stp_scene* scene, const stp_texture_use* use)
+{
+    if (use->texture >= scene->texture_count) {
+        return NULL;
+    }
+    const stp_texture* texture = &scene->textures[use->texture];
+    return texture->texels != NULL && texture->width != 0 && texture->height != 0 ? texture : NULL;
+}
+
 stp_material stp_material_default(void)
 {
     return (stp_material){
@@ -65,7 +74,7 @@ void stp_scene_destroy(stp_scene* scene)
     void* arrays[] = {scene->meshes,  scene->point_sets, scene->materials, scene->textures,
                       scene->objects, scene->parts,      scene->instances, scene->views,
                       scene->sources, scene->nodes,      scene->edges,     scene->node_parts,
-                      scene->looks};
+                      scene->looks,   scene->look_bins};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(context, arrays[i]);
     }

@@ -189,7 +189,8 @@ typedef struct stp_damage {
     uint32_t dropped; ///< its dropped triangles or points
 } stp_damage;
 
-typedef struct stp_look stp_look; // scene/looks.h
+typedef struct stp_look stp_look;           // scene/looks.h
+typedef struct stp_look_bins stp_look_bins; // scene/looks.h
 
 typedef struct stp_scene {
     stp_context* context;
@@ -225,7 +226,8 @@ typedef struct stp_scene {
     /// Per shading (builder/shadings.h): whether its splats are seen from the front only. Set
     /// before splats are made.
     bool front_only_shadings[256];
-    stp_look* looks; ///< by stp_scene_find_looks
+    stp_look* looks;          ///< by stp_scene_find_looks
+    stp_look_bins* look_bins; ///< of its textures
     uint32_t look_count, variant_count;
 
     double unit_metres; ///< length of one unit; 0 if unknown
@@ -284,6 +286,8 @@ STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t
 /// glTF's default material: white, fully metallic and rough, opaque; but drawn from both sides.
 stp_material stp_material_default(void);
 stp_texture_use stp_texture_use_none(void);
+/// The texture of a use; NULL: none, or one without texels in memory.
+const stp_texture* stp_scene_used_texture(const stp_scene* scene, const stp_texture_use* use);
 
 /// Computes bounds, drops empty meshes' parts (no triangles), merges identical meshes and subtrees,
 /// and builds the graph of nodes. Objects out of reach in their parent are dropped, with a warning

@@ -3,6 +3,8 @@
 #include "support_level_scenes.h"
 #include "tests.h"
 
+#include "builder/shadings.h"
+#include "capture/capture_internal.h"
 #include "draw/draw.h"
 #include "scene/looks.h"
 #include "select/select.h"
@@ -202,12 +204,128 @@ void test_looks_are_few(test_state* test)
         CHECK(v.roughness >= 0.0f && v.roughness <= 1.0f && v.metallic >= 0.0f &&
               v.metallic <= 1.0f && v.emissive[0] >= 0.0f && v.emissive[0] <= 1.0f);
     }
-    const stp_look* look = scene->looks;
+    const stp_look_bins* surfaces = stp_look_surface(scene, scene->looks);
     for (int i = 0; i <= 10; ++i) { // bins hold what is put into them, within half a step
         float metal = (float)i / 10.0f, roughness = 1.0f - metal;
-        uint32_t bin = stp_look_surface_bin(look, metal, roughness);
-        CHECK(fabsf(look->surface.values[bin][0] - metal) < 0.26f);
-        CHECK(fabsf(look->surface.values[bin][1] - roughness) < 0.11f);
+        uint32_t bin = stp_look_surface_bin(surfaces, metal, roughness);
+        CHECK(fabsf(surfaces->values[bin][0] - metal) < 0.26f);
+        CHECK(fabsf(surfaces->values[bin][1] - roughness) < 0.11f);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+/// A scene of `count` materials that share one texture for surfaces and glows, with a mesh each.
+static stp_scene* make_shared(stp_context* context, uint32_t count)
+{
+    stp_scene* scene = NULL;
+    stp_material m = stp_material_default();
+    m.emissive[0] = m.emissive[1] = m.emissive[2] = 1.0f;
+    bool made = stp_scene_create(context, &scene) == STP_OK &&
+                add_texture(scene, surface_texels, &m.emissive_texture.texture);
+    m.metallic_roughness_texture = m.emissive_texture;
+    for (uint32_t i = 0; i < count && made; ++i) {
+        stp_mesh mesh = {.vertex_count = 3, .triangle_count = 1};
+        mesh.positions = stp_alloc_array(context, 9, sizeof(float));
+        mesh.indices = stp_alloc_array(context, 3, sizeof(uint32_t));
+        for (uint32_t k = 0; k < 3; ++k) {
+            mesh.indices[k] = k;
+            memcpy(mesh.positions + 3 * (size_t)k,
+                   (float[3]){(float)(k == 1) + (float)i, (float)(k == 2), 0.0f}, 12);
+        }
+        m.roughness = 1.0f - (float)i / (float)count;
+        made = stp_scene_add_material(scene, &m, &mesh.material) == STP_OK &&
+               stp_scene_add_mesh(scene, &mesh, NULL) == STP_OK;
+    }
+    if (made) {
+        return scene;
+    }
+    stp_scene_destroy(scene);
+    return NULL;
+}
+
+void test_looks_share_the_bins_of_textures(test_state* test)
+{
+    enum { COUNT = 40 };
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = make_shared(context, COUNT);
+    CHECK(scene != NULL && stp_scene_find_looks(scene) == STP_OK);
+    CHECK_EQUAL(COUNT, scene->look_count);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const stp_look* look = &scene->looks[i];
+        CHECK(look->surface == scene->looks[0].surface && look->glow == scene->looks[0].glow);
+        CHECK_EQUAL(i * stp_look_variants(scene, look), look->first_variant);
+        for (uint32_t k = 0; k < stp_look_variants(scene, look); ++k) {
+            CHECK_EQUAL(look->material,
+                        stp_scene_get_variant(scene, look->first_variant + k).material);
+        }
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+static int stop(const stp_progress_report* report, void* user)
+{
+    (void)report;
+    (void)user;
+    return 1;
+}
+
+void test_looks_can_be_cancelled(test_state* test)
+{
+    stp_context* context = NULL;
+    const stp_context_desc desc = {.thread_count = 1, .progress = stop};
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    stp_scene* scene = make_shared(context, 2);
+    CHECK(scene != NULL);
+    CHECK_EQUAL(STP_ERROR_CANCELLED, stp_scene_find_looks(scene));
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+static bool add_point(stp_scene* scene, uint32_t material)
+{
+    stp_point_set set = {.point_count = 1, .material = material};
+    set.positions = stp_alloc_array(scene->context, 3, sizeof(float));
+    memset(set.positions, 0, 3 * sizeof(float));
+    return stp_scene_add_point_set(scene, &set, NULL) == STP_OK;
+}
+
+void test_variants_leave_room_for_growths(test_state* test)
+{
+    const uint32_t counts[] = {4, 40, 200, 250}; // of textured materials
+    for (int i = 0; i < 4; ++i) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = make_shared(context, counts[i]);
+        stp_shading_set set;
+        CHECK(scene != NULL && add_point(scene, 0) && stp_scene_find_looks(scene) == STP_OK);
+        CHECK((scene->variant_count > 256) == (i > 0));
+        CHECK_EQUAL(STP_OK, stp_make_shadings(scene, true, &set));
+        CHECK_EQUAL(i < 3, set.has_growths); // 13 and 250 do not fit
+        uint8_t own = set.of_material[scene->looks[0].material];
+        bool alike = true;
+        for (uint32_t k = 0; k < stp_look_variants(scene, &scene->looks[0]); ++k) {
+            alike = alike && set.of_material[stp_look_index(scene, scene->looks, 0, k)] == own;
+        }
+        CHECK(i == 3 || alike == (i > 0));
+        stp_free(context, set.of_material);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
+void test_textures_of_colors_only_are_those_of_base_colors(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_scene* scene = make_shared(context, 2);
+    CHECK(scene != NULL && stp_scene_find_looks(scene) == STP_OK);
+    for (int i = 0; i < 4; ++i) {
+        stp_capture_textures* textures = NULL;
+        scene->materials[2].base_color_texture.texture = i < 2 ? STP_NONE : 0;
+        CHECK_EQUAL(STP_OK, stp_capture_textures_create(scene, i % 2 == 1, &textures));
+        CHECK_EQUAL(i != 1, textures->pyramids[0].level_count != 0); // emission or base colour
+        CHECK_EQUAL(i % 2 == 0, textures->surfaces[0].level_count != 0);
+        stp_capture_textures_destroy(textures);
     }
     stp_scene_destroy(scene);
     stp_context_destroy(context);

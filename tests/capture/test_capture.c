@@ -313,7 +313,7 @@ void test_capture_reads_textures_and_masks(test_state* test)
         CHECK(add_square(&t, 2, index, &square));
         place(&t, STP_PART_MESH, square, stp_affine_identity());
         stp_capture_textures* textures;
-        CHECK_EQUAL(STP_OK, stp_capture_textures_create(t.scene, &textures));
+        CHECK_EQUAL(STP_OK, stp_capture_textures_create(t.scene, false, &textures));
         stp_capture_desc desc = {.resolution = 100, .no_fill = true, .textures = textures};
         stp_candidates c;
         CHECK_EQUAL(STP_OK, stp_capture_parts(t.scene, t.parts, t.part_count, &desc, &c));

@@ -185,6 +185,38 @@ void test_seen_sides_through_backs_that_are_not_drawn(test_state* test)
     front_only = NULL;
 }
 
+/// Allocations of a search with a context of its own.
+static int count_allocations(void)
+{
+    test_heap heap = TEST_HEAP(-1);
+    const stp_context_desc desc = {
+        .allocator = {.alloc = test_heap_alloc, .free = test_heap_free, .user = &heap},
+        .thread_count = 1};
+    stp_context* context = NULL;
+    bool done =
+        stp_context_create(&context, &desc) == STP_OK && find_sides(context, RESOLUTION) == STP_OK;
+    stp_context_destroy(context);
+    return done ? heap.count : -1;
+}
+
+// Triangles are only listed in another order if some differ.
+void test_seen_sides_of_triangles_of_one_kind_need_no_order(test_state* test)
+{
+    static uint8_t of[MANY];
+    clear_mesh();
+    add_cube(0, 0, 0, 1);
+    int expected = count_allocations();
+    CHECK(expected > 0);
+    front_only = of;
+    for (int some = 0; some <= 12; some += 6) {
+        memset(of, 0, sizeof(of));
+        memset(of, 1, (size_t)some);
+        CHECK_EQUAL(some == 6 ? expected + 1 : expected, count_allocations());
+        CHECK_EQUAL(12, count_sides(0, 12, STP_SEEN_FRONT));
+    }
+    front_only = NULL;
+}
+
 // A ball two pixels wide beside a cube: a pixel has more than a thousand triangles, and most win
 // none.
 void test_seen_sides_of_tiny_triangles_are_completed(test_state* test)

@@ -85,6 +85,7 @@ void test_gltf_materials_have_sides(test_state* test)
                  "{'attributes':{'POSITION':0},'indices':1,'material':0},"
                  "{'attributes':{'POSITION':0},'indices':2,'material':1},"
                  "{'attributes':{'POSITION':0},'mode':0,'material':2},"
+                 "{'attributes':{'POSITION':0},'mode':1,'material':0}," // edges are not read
                  "{'attributes':{'POSITION':0},'indices':2}]}],"
                  "'nodes':[{'mesh':0}],'scenes':[{'nodes':[0]}],'scene':0}",
                  bin, sizeof(bin));

@@ -43,7 +43,7 @@ static stp_result make_levels(place* p)
     result = result == STP_OK
                  ? stp_scene_flatten(p->scene, p->scene->root, STP_LEVELS_MOST, &parts, &count)
                  : result;
-    result = result == STP_OK ? stp_capture_textures_create(p->scene, &textures) : result;
+    result = result == STP_OK ? stp_capture_textures_create(p->scene, true, &textures) : result;
     result = result == STP_OK
                  ? stp_node_levels_make(p->scene, parts, count, p->shadings, textures, &p->levels)
                  : result;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Growths of shadings: written if there are any, read back, and refused if invalid.
+#include "support_reseal.h"
 #include "tests.h"
 
 #include "draw/support_store.h"
@@ -7,6 +8,9 @@
 #include "store/file/store_state.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 static const uint8_t white[3] = {255, 255, 255};
 
@@ -41,17 +45,55 @@ void test_growths_are_read_as_written(test_state* test)
     stp_context_destroy(context);
 }
 
+/// Bytes of a file of two shadings, whose growths are 0 and 3; free them.
+static unsigned char* make_file(stp_context* context, size_t* size)
+{
+    made_scene scene;
+    int file = -1;
+    make_scene(context, &scene, 3.0f);
+    stp_store_close(made_open_file(context, &scene, &file));
+    made_free_set(context, &scene.sets[0]);
+    off_t end = file >= 0 ? lseek(file, 0, SEEK_END) : 0;
+    unsigned char* bytes = malloc((size_t)end + 1);
+    bool read = bytes != NULL && end > 0 && pread(file, bytes, (size_t)end, 0) == end;
+    if (file >= 0) {
+        close(file);
+    }
+    *size = (size_t)end;
+    if (!read) {
+        free(bytes);
+    }
+    return read ? bytes : NULL;
+}
+
 void test_invalid_growths_are_refused(test_state* test)
 {
-    const float values[] = {-1.0f, 64.0f};
-    for (int i = 0; i < 2; ++i) {
+    // then a valid one, and one record of two growths
+    const float values[] = {-1.0f, 64.0f, NAN, INFINITY, -INFINITY, 2.0f, 2.0f};
+    for (int i = 0; i < 7; ++i) {
         test_log log = {.errors = 0};
         stp_context* context = test_context(NULL, 1, &log);
-        made_scene scene;
-        make_scene(context, &scene, values[i]);
-        CHECK(made_open(context, &scene) == NULL);
-        CHECK(log.errors > 0);
-        made_free_set(context, &scene.sets[0]);
+        size_t size = 0;
+        unsigned char* bytes = make_file(context, &size);
+        CHECK(bytes != NULL);
+        unsigned char* entry = find_section(bytes, STP_SECTION_GROWTHS);
+        CHECK(entry != NULL && stp_read_u64(entry + 16) == 8); // not packed
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof(bits));
+        stp_write_u32(bytes + stp_read_u64(entry + 8) + 4, bits);
+        if (i == 6) {
+            stp_write_u64(entry + 24, 1);
+            stp_write_u32(entry + 32, 8);
+        }
+        reseal(bytes, size);
+        stp_store* store = NULL;
+        CHECK_EQUAL(i == 5 ? STP_OK : STP_ERROR_FORMAT,
+                    stp_store_open_memory(context, "growths", bytes, size,
+                                          &(stp_store_open_desc){0}, &store));
+        CHECK_EQUAL(i == 5 ? 0 : 1, log.errors);
+        CHECK(i == 5 || strstr(log.text, i == 6 ? "lists the growths of 1" : "growth") != NULL);
+        stp_store_close(store);
+        free(bytes);
         stp_context_destroy(context);
     }
 }

@@ -50,23 +50,53 @@ void test_sides_are_read_as_written(test_state* test)
     stp_context_destroy(context);
 }
 
+/// A store of four records, of two materials and two shadings.
+static stp_store* open_scene(stp_context* context)
+{
+    static made_scene scene;
+    make_scene(&scene);
+    scene.materials[0].flags = scene.materials[1].flags = STP_SHADING_FRONT_ONLY;
+    return made_open(context, &scene);
+}
+
 void test_invalid_sides_are_refused(test_state* test)
 {
-    for (int way = 0; way < 2; ++way) {
+    for (int way = 0; way < 12; ++way) {
         test_log log = {.errors = 0};
         stp_context* context = test_context(NULL, 1, &log);
-        static made_scene scene;
-        make_scene(&scene);
-        scene.materials[0].flags = STP_SHADING_FRONT_ONLY;
-        stp_store* store = made_open(context, &scene);
+        stp_store* store = open_scene(context);
         CHECK(store != NULL);
         stp_store_sides* records = store->tables[STP_SECTION_SIDES];
         CHECK_EQUAL(4, store->counts[STP_SECTION_SIDES]);
-        records[3].flags = way == 0 ? 2 : 0;
-        store->counts[STP_SECTION_SIDES] = way == 1 ? 3 : 4;
-        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_link_sides(store));
-        CHECK_EQUAL(1, log.errors);
+        records[3].flags = way / 2 == 0 ? 2 : 0;
+        store->counts[STP_SECTION_SIDES] = way / 2 == 1 ? 3 : way / 2 == 2 ? 0 : 4;
+        records[2].triangles = way / 2 == 3 ? 1 : 0; // of a shading
+        records[2].inverted = way / 2 == 4 ? 1 : 0;
+        if (way % 2 == 0) {
+            CHECK_EQUAL(way / 2 < 5 ? STP_ERROR_FORMAT : STP_OK, stp_store_link_sides(store));
+        } else { // as for the summary alone: materials and shadings are not read
+            store->counts[STP_SECTION_MATERIALS] = store->counts[STP_SECTION_SHADINGS] = 0;
+            CHECK_EQUAL(way / 2 < 5 ? STP_ERROR_FORMAT : STP_OK, stp_store_validate_sides(store));
+        }
+        CHECK_EQUAL(way / 2 < 5 ? 1 : 0, log.errors);
         stp_store_close(store);
         stp_context_destroy(context);
     }
+}
+
+void test_figures_of_sides_do_not_wrap(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_store* store = open_scene(context);
+    CHECK(store != NULL);
+    stp_store_sides* records = store->tables[STP_SECTION_SIDES];
+    for (int i = 0; i < 4; ++i) {
+        records[i] = (stp_store_sides){.flags = STP_SIDES_FRONT_ONLY, .inverted = 1};
+        records[i].triangles = UINT64_MAX - 1;
+    }
+    stp_store_side_figures figures = stp_store_get_side_figures(store);
+    CHECK_EQUAL(UINT64_MAX, figures.triangles);
+    CHECK(figures.materials == 2 && figures.inverted == 2); // shadings do not count
+    stp_store_close(store);
+    stp_context_destroy(context);
 }

@@ -15,7 +15,15 @@
 typedef struct stp_closed_surface {
     uint64_t edges;
     double volume; ///< six times the signed volume
+    double terms;  ///< the sum of the absolute values that volume is the sum of
 } stp_closed_surface;
+
+/// Sign of a signed volume; 0: none, up to rounding. Coordinates are floats, so a closed surface
+/// with a volume has more than this share of the terms, however far from the origin.
+static inline int stp_volume_sign(double volume, double terms)
+{
+    return !(fabs(volume) > 1e-9 * terms) ? 0 : volume > 0.0 ? 1 : -1;
+}
 
 /// Hash of a position; -0 equals 0.
 static inline uint64_t stp_corner_hash(const float p[3])
@@ -44,12 +52,14 @@ static inline void stp_closed_surface_add(stp_closed_surface* surface,
         uint64_t number = stp_rng_hash(from + to, from ^ to);
         surface->edges += from < to ? number : from > to ? (uint64_t)0 - number : 0;
     }
-    surface->volume += stp_dotd(p[0], stp_crossd(p[1], p[2]));
+    double term = stp_dotd(p[0], stp_crossd(p[1], p[2]));
+    surface->volume += term;
+    surface->terms += fabs(term);
 }
 
 /// 1: closed, and its triangles face outwards; -1: closed, and they face inwards; 0: open, or
 /// without volume.
 static inline int stp_closed_surface_side(const stp_closed_surface* surface)
 {
-    return surface->edges != 0 || surface->volume == 0.0 ? 0 : surface->volume > 0.0 ? 1 : -1;
+    return surface->edges != 0 ? 0 : stp_volume_sign(surface->volume, surface->terms);
 }

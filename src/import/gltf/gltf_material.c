@@ -281,13 +281,13 @@ static bool look_at_primitive(const json_t* primitive, stp_material* materials, 
 {
     const json_t *mode = json_object_get(primitive, "mode"),
                  *material = json_object_get(primitive, "material");
-    bool triangles =
-        !json_is_integer(mode) || json_integer_value(mode) >= (json_int_t)STP_GLTF_TRIANGLES;
+    json_int_t kind =
+        json_is_integer(mode) ? json_integer_value(mode) : (json_int_t)STP_GLTF_TRIANGLES;
     json_int_t index = json_is_integer(material) ? json_integer_value(material) : -1;
-    if (!triangles && index >= 0 && index < (json_int_t)count) {
+    if (kind == (json_int_t)STP_GLTF_POINTS && index >= 0 && index < (json_int_t)count) {
         materials[index].front_only = false;
     }
-    return triangles && material == NULL;
+    return kind >= (json_int_t)STP_GLTF_TRIANGLES && material == NULL;
 }
 
 // Decides which materials are drawn from the front only. Adds the default material (3.9.6), which

@@ -4,19 +4,42 @@
 #include "store/file/sides.h"
 
 #include "base/core/context.h"
+#include "base/core/saturate.h"
 #include "store/file/block_order.h"
 #include "store/file/tables.h"
 
 #include <assert.h>
 
+/// Records of a section, which need not be read.
+static uint64_t count_records(const stp_store* store, uint32_t type)
+{
+    return store->known[type] != NULL ? store->known[type]->count : 0;
+}
+
 stp_result stp_store_validate_sides(const stp_store* store)
 {
     const stp_store_sides* records = store->tables[STP_SECTION_SIDES];
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_SIDES]; ++i) {
+    uint32_t count = store->counts[STP_SECTION_SIDES];
+    uint64_t materials = count_records(store, STP_SECTION_MATERIALS);
+    uint64_t wanted = stp_add_saturated(materials, count_records(store, STP_SECTION_SHADINGS));
+    if (store->known[STP_SECTION_SIDES] == NULL) {
+        return STP_OK;
+    }
+    if (count != wanted) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: tells the sides of %u materials and shadings but has %llu",
+                        store->path, count, (unsigned long long)wanted);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
         if (records[i].flags > STP_SIDES_FRONT_ONLY) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
                             "%s: sides %u: flags %#x are not defined in this version", store->path,
                             i, records[i].flags);
+        }
+        if (i >= materials && (records[i].triangles != 0 || records[i].inverted != 0)) {
+            return stp_fail(store->context, STP_ERROR_FORMAT,
+                            "%s: sides %u: a shading has no triangles and no meshes", store->path,
+                            i);
         }
     }
     return STP_OK;
@@ -29,15 +52,6 @@ stp_result stp_store_link_sides(stp_store* store)
     stp_shading* shadings = store->tables[STP_SECTION_SHADINGS];
     uint32_t material_count = store->counts[STP_SECTION_MATERIALS];
     uint32_t count = store->counts[STP_SECTION_SIDES];
-    uint64_t wanted = (uint64_t)material_count + store->counts[STP_SECTION_SHADINGS];
-    if (store->known[STP_SECTION_SIDES] == NULL) {
-        return STP_OK;
-    }
-    if (count != wanted) {
-        return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: tells the sides of %u materials and shadings but has %llu",
-                        store->path, count, (unsigned long long)wanted);
-    }
     stp_result result = stp_store_validate_sides(store);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         bool front_only = (records[i].flags & STP_SIDES_FRONT_ONLY) != 0;
@@ -55,7 +69,7 @@ static void add_record(stp_store_side_figures* figures, const stp_store_sides* r
 {
     bool front_only = (record->flags & STP_SIDES_FRONT_ONLY) != 0;
     figures->materials += front_only && record->triangles > 0 ? 1 : 0;
-    figures->triangles += front_only ? record->triangles : 0;
+    figures->triangles = stp_add_saturated(figures->triangles, front_only ? record->triangles : 0);
     figures->inverted += front_only ? record->inverted : 0;
 }
 
@@ -63,7 +77,8 @@ stp_store_side_figures stp_store_get_side_figures(const stp_store* store)
 {
     const stp_store_sides* records = store->tables[STP_SECTION_SIDES];
     stp_store_side_figures figures = {0};
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_SIDES]; ++i) {
+    uint64_t material_count = count_records(store, STP_SECTION_MATERIALS);
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SIDES] && i < material_count; ++i) {
         add_record(&figures, &records[i]);
     }
     return figures;

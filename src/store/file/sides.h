@@ -21,12 +21,12 @@ typedef struct stp_store_side_figures {
     uint64_t inverted;             ///< closed meshes whose fronts face inwards
 } stp_store_side_figures;
 
-/// Checks the decoded records, of which those of materials and shadings need not be read.
+/// Checks the decoded records and their number. Materials and shadings need not be read.
 STP_MUST_USE stp_result stp_store_validate_sides(const stp_store* store);
 /// Checks them and sets the flags of the materials and shadings, which must be read.
 STP_MUST_USE stp_result stp_store_link_sides(stp_store* store);
 
-/// Of an open store; all 0 if its file does not tell.
+/// Of an open store; all 0 if its file does not tell. Sums end at UINT64_MAX.
 stp_store_side_figures stp_store_get_side_figures(const stp_store* store);
 
 /// Whether a file of this directory has the section.
