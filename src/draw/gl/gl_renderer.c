@@ -137,11 +137,10 @@ static stp_result begin_picture(stp_gl_renderer* r, const stp_view* view, const 
 /// if the driver does not count them.
 static uint64_t count_splats(stp_gl_renderer* r)
 {
-    uint64_t listed = r->target.eye_count * r->list->splat_count;
     uint64_t computed = stp_gl_shade_pass_read(r, GL_COUNTER_SPLATS);
     uint64_t drawn = r->target.eye_count * r->timer.drawn_splats +
                      computed / (r->counted_samples > 0 ? r->counted_samples : 1);
-    return r->timer.counts && drawn < listed ? drawn : listed;
+    return r->timer.counts && drawn < r->listed_splats ? drawn : r->listed_splats;
 }
 
 /// Times and pixels of a picture in progress (those of an earlier one), or finished.
@@ -152,7 +151,7 @@ static void read_times(stp_gl_renderer* r, bool done, stp_draw_stats* stats)
     double parts = (double)r->counted_samples * r->target.eye_count;
     stats->covered_pixels = done ? stp_gl_shade_pass_read(r, GL_COUNTER_COVERED) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
-    stats->splats = done ? count_splats(r) : r->target.eye_count * r->list->splat_count;
+    stats->splats = done ? count_splats(r) : r->listed_splats;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
     stats->shade_ms = parts * r->timer.shade_ms;
     stats->effect_ms = parts * r->timer.effect_ms;
@@ -170,10 +169,11 @@ static void count_picture(stp_gl_renderer* r, uint32_t samples, double cpu_ms, b
 {
     uint32_t eyes = r->target.eye_count;
     r->counted_samples = samples;
+    r->listed_splats = eyes * r->list->splat_count;
     stats->draw_ms = cpu_ms;
     read_times(r, done, stats);
     stats->triangles = r->frame.drawn_triangles;
-    stats->listed_splats = eyes * r->list->splat_count;
+    stats->listed_splats = r->listed_splats;
     stats->listed_triangles = eyes * (r->list->triangle_count + r->frame.large_count);
     stats->draw_calls = r->draw_calls;
     stats->layers = r->layer_pass.active ? r->layer_pass.count : 0;

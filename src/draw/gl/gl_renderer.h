@@ -222,6 +222,7 @@ struct stp_gl_renderer {
     stp_result failure;              ///< why an upload failed
     uint32_t draw_calls, dispatches; ///< numbers in the last picture's last sample
     uint32_t counted_samples;        ///< samples that the last call drew
+    uint64_t listed_splats; ///< of the last picture, whose list the caller may have changed since
 };
 
 /// Defines for programs that read pages. @return `text`

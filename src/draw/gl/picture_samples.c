@@ -91,6 +91,7 @@ static float ghost_share(const stp_draw_style* style)
 static view_block make_view(const stp_gl_renderer* r, const stp_gl_sample* sample)
 {
     assert(sample->number < sample->count && r->eye < r->target.eye_count);
+    assert(STP_BACK_SINE == (float)BACK_SINE && "shaders leave out the same splats");
     const stp_placement* p = &r->placement;
     const stp_view_frame* f = &p->frame;
     float width = (float)r->target.width, height = (float)r->target.height;
