@@ -58,7 +58,7 @@ def likeness_in_time(results):
     pairs = {}
     for r in results.of("budget-views"):
         pairs.setdefault(r["params"]["view"], {})[r["params"]["policy"]] = r["figures"]["ssim_covered"]
-    gains = [p["ours"] - p["paper"] for p in pairs.values() if len(p) == 2]
+    gains = [p["ours"] - max(v for k, v in p.items() if k != "ours") for p in pairs.values() if "ours" in p and len(p) > 1]
     if gains:
         yield f"higher in {sum(g >= 0 for g in gains)} of {len(gains)} views, least {min(gains):+.3f}", within(-min(gains), 0)
 
@@ -113,8 +113,8 @@ def fine(results):
         yield f"at rest in {rest} of {len(found)} views, in one frame in {higher}", within(len(found), rest)
 
 
-def equal_splats(results):
-    pairs = [e for r in results.of("quality-views") for k, e in r["figures"].items() if k.startswith("equal_") and "ours" in e]
+def equal_splats(results, name):
+    pairs = [e for r in results.of(name) for k, e in r["figures"].items() if k.startswith("equal_") and "ours" in e]
     if pairs:
         lower = sum(e["ours"] < e["paper"] for e in pairs)
         yield f"lower in {lower} of {len(pairs)} cases", within(lower, 0)
@@ -156,13 +156,16 @@ def order(results, key, limit):
 GOALS = (
     ("flight through all five places, budget 33 ms", "median 33 ms, 99 % 50 ms", flight, "controllers", "bench/controllers.py"),
     ("slowest of the five views, budget 33 ms", "66 ms", views, "budget-views", "bench/budget_views.py"),
-    ("covered SSIM in that time, against the paper's policy and order", "not lower", likeness_in_time, "budget-views", "bench/budget_views.py"),
+    ("covered SSIM in that time, against the paper's policy and the better of its orders", "not lower", likeness_in_time, "budget-views", "bench/budget_views.py"),
     ("frames within 1.1 and 1.5 times a budget that size 8 can hold", "95 %, 99 %", attainable, "controllers-auto", "bench/controllers.py --budget-ms auto"),
     ("median frame of a trillion triangles, against 2.35 G", "1.2 times", growth, "growth", "bench/growth.py"),
     ("frames 200 m above the whole scene", "", everywhere, "positions", "bench/positions.py"),
     ("SSIM in Table 3 against the paper's, splat size 2", "", table3, "table3-size-2", "bench/table3.py"),
     ("covered SSIM at splat size 1, every named view", "", all_views, "quality-views", "bench/quality.py views"),
-    ("the same with equal splats, against the paper's policy and order", "never lower", equal_splats, "quality-views", "bench/quality.py views"),
+    ("the same with equal splats, against the paper's policy and `paper-fast`", "never lower", lambda r: equal_splats(r, "quality-views"),
+     "quality-views", "bench/quality.py views"),
+    ("the same with equal splats, against the paper's policy and `paper-text`", "never lower", lambda r: equal_splats(r, "quality-views-text"),
+     "quality-views-text", "bench/quality.py views --paper-order paper-text"),
     ("closer to a supersampled picture than the originals at one sample", "always", fine, "quality-views", "bench/quality.py views"),
     ("popping with blending against hard switching, 99.9 %", "0.25 times", lambda r: popping(r, "popping_p999"), "popping", "bench/popping.py"),
     ("the same, worst block", "0.25 times", lambda r: popping(r, "popping_max"), "popping", "bench/popping.py"),

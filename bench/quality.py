@@ -131,7 +131,7 @@ def files_of(given, scene):
         return ours, other or None
     name = f"scene:{scene.removeprefix('scene:')}"
     ours = build(given, name, given.files, suffix="-exact")
-    return ours, None if given.no_paper else build(given, name, given.files, "--order", "paper-fast", suffix="-paper-fast")
+    return ours, None if given.no_paper else build(given, name, given.files, "--order", given.paper_order, suffix=f"-{given.paper_order}")
 
 
 def total(drawn, counts):
@@ -190,7 +190,7 @@ def view_row(given, scene, view, f):
     return row
 
 
-def conclude_views(results):
+def conclude_views(given, results):
     """Counts for the goals."""
     of_views = [r["figures"] for r in results]
     fine = [f for f in of_views if "fine_ours" in f]
@@ -204,14 +204,14 @@ def conclude_views(results):
     for kind, counts in COUNTS.items():
         gains = [e["ours"] - e["paper"] for f in of_views for k, e in f.items() if k.startswith(f"{kind}_") and "ours" in e]
         if gains:
-            print(f"- with no more {' and '.join(counts)}, ours is higher than `--policy paper --order paper-fast`\n"
+            print(f"- with no more {' and '.join(counts)}, ours is higher than `--policy paper --order {given.paper_order}`\n"
                   f"  in {sum(g > 0 for g in gains)} of {len(gains)} cases, lower in {sum(g < 0 for g in gains)} "
                   f"(least {min(gains):+.4f}, median {statistics.median(gains):+.4f})")
 
 
 def views(parser):
     """Every view of the scenes, by default all named ones, the large ones scaled. Each is built into --files unless it
-    exists, once with our order and once with --order paper-fast. A SCENE that is a .stip is drawn unchanged, with OTHER
+    exists, once with our order and once with the paper's. A SCENE that is a .stip is drawn unchanged, with OTHER
     for the paper's order as SCENE=OTHER. For each view:
     - SSIM on covered pixels at splat size 1, against the original triangles;
     - against a picture of N x N samples per pixel: ours at rest (N x N accumulated frames) and in one frame, and the
@@ -222,7 +222,8 @@ def views(parser):
     parser.add_argument("--files", type=pathlib.Path, default=kit.ROOT / "build/scenes", help="default build/scenes")
     parser.add_argument("--splat-sizes", default="1,2,4")
     parser.add_argument("--supersample", type=int, default=4, help="default 4; 1: none")
-    parser.add_argument("--no-paper", action="store_true", help="skip --order paper-fast")
+    parser.add_argument("--paper-order", choices=("paper-fast", "paper-text"), default="paper-fast", help="default paper-fast")
+    parser.add_argument("--no-paper", action="store_true", help="skip the paper's order")
     parser.add_argument("--views", help="only these, comma-separated")
     given = parser.parse_args(sys.argv[2:])
     results, rows = [], []
@@ -238,8 +239,8 @@ def views(parser):
                                        for s in sizes_of(given) for what in map(" and ".join, COUNTS.values())]
     kit.table(["scene", "view", "splats", "triangles", "SSIM", "covered", f"{given.supersample}x{given.supersample}: ours at rest",
                "in one frame", "originals", *equal], rows)
-    conclude_views(results)
-    kit.keep("quality-views", results, given.out)
+    conclude_views(given, results)
+    kit.keep("quality-views" + ("-text" if given.paper_order == "paper-text" else ""), results, given.out)
 
 
 # methods
