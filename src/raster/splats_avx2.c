@@ -153,59 +153,52 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     return fragments;
 }
 
-/// Draws a disk with any box: eight columns at a time while they fit, the rest one by one.
+/// Draws a disk with any box, eight columns at a time; columns outside of it are masked.
 static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i, uint32_t index)
 {
     const __m256i steps = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     splat_box box = clip_box(f, t, i);
-    const __m256i before = _mm256_set1_epi32(box.x0 - 1), after = _mm256_set1_epi32(box.x1);
-    if (box.x1 - box.x0 < 8) { // reach over columns outside the box, masked below
-        int32_t width = (int32_t)f->target->width;
-        int32_t left = box.x0 + 8 <= width ? box.x0 : width - 8;
-        if (left < 0) {
-            return draw_disk_scalar(f, t, i, index, box);
-        }
-        assert(left <= box.x0 && box.x1 <= left + 8 && "the vector covers the box");
-        box.x0 = left;
-        box.x1 = left + 8;
+    int32_t width = (int32_t)f->target->width;
+    if (width < 8) {
+        return draw_disk_scalar(f, t, i, index, box);
     }
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     bool is_clipped = (t->clips >> i & 1u) != 0;
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t fragments = 0;
-    for (int32_t y = box.y0; y < box.y1; ++y) {
-        uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
-        __m256 v = _mm256_set1_ps(t->v0[i] + (float)(y - t->y0[i]));
-        for (int32_t x = box.x0; x + 8 <= box.x1; x += 8) {
-            __m256i column = _mm256_add_epi32(_mm256_set1_epi32(x - t->x0[i]), steps);
-            __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), _mm256_cvtepi32_ps(column));
+    for (int32_t left = box.x0; left < box.x1; left += 8) {
+        int32_t x = left + 8 <= width ? left : width - 8; // the vector stays in the row
+        __m256i at = _mm256_add_epi32(_mm256_set1_epi32(x), steps);
+        __m256i there = _mm256_and_si256(_mm256_cmpgt_epi32(at, _mm256_set1_epi32(left - 1)),
+                                         _mm256_cmpgt_epi32(_mm256_set1_epi32(box.x1), at));
+        __m256i column = _mm256_sub_epi32(at, _mm256_set1_epi32(t->x0[i]));
+        __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), _mm256_cvtepi32_ps(column));
+        uint64_t* row = f->target->pixels + (size_t)box.y0 * f->target->stride + (size_t)x;
+        for (int32_t y = box.y0; y < box.y1; ++y, row += f->target->stride) {
+            __m256 v = _mm256_set1_ps(t->v0[i] + (float)(y - t->y0[i]));
             __m256i bits;
-            __m256i inside = evaluate(f, t, i, u, v, &bits);
-            __m256i at = _mm256_add_epi32(_mm256_set1_epi32(x), steps);
-            inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(at, before));
-            inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(after, at));
+            __m256i inside = _mm256_and_si256(evaluate(f, t, i, u, v, &bits), there);
             if (is_clipped) {
                 inside = keep_clipped(t, i, u, v, inside);
             }
             if (coverage < 255) {
-                __m256i dx = _mm256_add_epi32(_mm256_set1_epi32(x - t->cx[i]), steps);
+                __m256i dx = _mm256_sub_epi32(at, _mm256_set1_epi32(t->cx[i]));
                 __m256i dy = _mm256_set1_epi32(y - t->cy[i]);
                 inside =
                     _mm256_and_si256(inside, hash_fragments(coverage, f->seed + index, dx, dy));
             }
             unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(inside));
-            if (mask == 0) {
-                continue;
-            }
             fragments += (uint64_t)__builtin_popcount(mask);
-            store_four(row + x, _mm256_castsi256_si128(bits), _mm256_castsi256_si128(inside), id);
-            store_four(row + x + 4, _mm256_extracti128_si256(bits, 1),
-                       _mm256_extracti128_si256(inside, 1), id);
+            if ((mask & 15) != 0) {
+                store_four(row, _mm256_castsi256_si128(bits), _mm256_castsi256_si128(inside), id);
+            }
+            if (mask >> 4 != 0) {
+                store_four(row + 4, _mm256_extracti128_si256(bits, 1),
+                           _mm256_extracti128_si256(inside, 1), id);
+            }
         }
     }
-    int32_t rest = box.x0 + (box.x1 - box.x0) / 8 * 8;
-    box.x0 = rest;
-    return fragments + draw_disk_scalar(f, t, i, index, box);
+    return fragments;
 }
 
 static inline void load_positions(const uint16_t* positions, splat_batch* t)
