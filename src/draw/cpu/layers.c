@@ -40,8 +40,10 @@ static bool make_room(stp_cpu_renderer* r)
         l->splats_below = STP_NEW_ARRAY(context, float, needed);
         l->light = STP_NEW_ARRAY(context, float, 4 * needed);
         l->optical_depths = STP_NEW_ARRAY(context, atomic_uint, needed);
+        l->mark_count = needed / STP_LAYER_MARKED + 1;
+        l->marks = STP_NEW_ARRAY(context, bool, r->team.threads * l->mark_count);
         if (l->nearer == NULL || l->farther == NULL || l->splats_below == NULL ||
-            l->light == NULL || l->optical_depths == NULL) {
+            l->light == NULL || l->optical_depths == NULL || l->marks == NULL) {
             stp_cpu_destroy_layers(r);
             return false;
         }
@@ -85,30 +87,36 @@ static void clear_row(stp_cpu_renderer* r, size_t y)
     }
 }
 
-static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
+static void clear_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    stp_cpu_renderer* r = user;
-    stp_cpu_layers* l = &r->layers;
     (void)worker;
-    for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        l->farther[at] = STP_RASTER_EMPTY;
-    }
-    for (uint32_t k = 0; k < r->team.threads; ++k) {
-        const uint64_t* pixels = r->workers[k].pixels;
-        for (size_t at = begin * r->width; at < end * r->width && r->workers[k].drew; ++at) {
-            l->farther[at] = pixels[at] < l->farther[at] ? pixels[at] : l->farther[at];
-        }
-    }
     for (size_t y = begin; y < end; ++y) {
-        clear_row(r, y);
+        clear_row(user, y);
     }
 }
 
-void stp_cpu_keep_opaque(stp_cpu_renderer* r)
+/// Forgets where the last layer has fragments.
+static void clear_marks(stp_cpu_renderer* r)
 {
-    assert(r->layers.stage == CPU_LAYERS_OPAQUE);
-    assert(r->layers.capacity >= (size_t)r->width * r->height);
-    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, keep_rows, r);
+    memset(r->layers.marks, 0, r->team.threads * r->layers.mark_count * sizeof(bool));
+}
+
+bool stp_cpu_has_layer(const stp_cpu_renderer* r, const stp_cpu_shade_tile* tile)
+{
+    const stp_cpu_layers* l = &r->layers;
+    assert(l->stage == CPU_LAYERS_PEEL && tile->width > 0);
+    bool any = false;
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        size_t at = (size_t)(tile->y + row) * r->width + tile->x;
+        size_t first = at / STP_LAYER_MARKED, last = (at + tile->width - 1) / STP_LAYER_MARKED;
+        for (uint32_t k = 0; k < r->team.threads; ++k) {
+            const bool* marks = l->marks + k * l->mark_count;
+            for (size_t i = first; i <= last; ++i) {
+                any = any || marks[i];
+            }
+        }
+    }
+    return any;
 }
 
 /// Whether an item may have transparent parts.
@@ -295,8 +303,10 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
     count_pixels(r);
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, clear_rows, r);
     uint32_t most = l->nearest_only ? 1 : STP_LAYERS_MAX;
     for (l->count = 0; any && l->count < most && result == STP_OK; ++l->count) {
+        clear_marks(r);
         size_t grain = r->task_count / ((size_t)r->team.threads * 64);
         stp_team_run(&r->team, r->task_count, grain > 0 ? grain : 1, draw_tasks, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -329,6 +339,9 @@ void stp_cpu_destroy_layers(stp_cpu_renderer* r)
     stp_free(context, l->splats_below);
     stp_free(context, l->light);
     stp_free(context, l->optical_depths);
+    stp_free(context, l->marks);
+    l->marks = NULL;
+    l->mark_count = 0;
     l->optical_depths = NULL;
     l->nearer = l->farther = NULL;
     l->splats_below = l->light = NULL;
