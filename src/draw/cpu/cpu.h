@@ -160,11 +160,6 @@ typedef struct stp_cpu_blend {
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } stp_cpu_blend;
 
-/// Columns of a row.
-typedef struct cpu_layer_span {
-    uint32_t begin, end;
-} cpu_layer_span;
-
 /// Layers of transparent surfaces (layers.h).
 typedef struct stp_cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
@@ -186,9 +181,9 @@ typedef struct stp_cpu_layers {
     atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
     uint32_t depth_of_opacity[256];
     float* light; ///< 4 per pixel: linear colour of the layers so far, and their transmittance
-    /// Per row of the last picture, whose size this is: columns whose pixels may differ from those
-    /// before the first layer
-    cpu_layer_span* touched;
+    /// Per tile of the last picture, whose size this is, row by row: whether its pixels may differ
+    /// from those before the first layer
+    bool* touched;
     size_t touched_capacity;
     uint32_t width, height;
     uint8_t* alive; ///< per task: whether it may still have visible fragments
