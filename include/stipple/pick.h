@@ -39,14 +39,27 @@ typedef struct stp_hit {
     double values[STP_HIT_ATTRIBUTES]; ///< indexed by stp_attribute
 } stp_hit;
 
+/// How to pick. All zero: the default.
+typedef struct stp_hit_desc {
+    size_t struct_size;
+    /// Backs of single-sided materials are hit, too: for pictures drawn with
+    /// stp_paint_desc.back_faces.
+    bool back_faces;
+} stp_hit_desc;
+
 /// Picks at a position in the picture, in pixels from the left and top edges (the centre of the
 /// first pixel is 0.5, 0.5). Hidden objects and parts cut away by the view's sections are ignored,
-/// and so are backs of single-sided materials, unless the view has sections. Points are hit within
+/// and so are backs of single-sided materials, unless the view has sections (stp_model_pick_with hits them, too). Points are hit within
 /// two pixels.
 /// @return STP_OK, whether or not anything is hit; STP_ERROR_ARGUMENT (invalid view),
 /// STP_ERROR_LIMIT, STP_ERROR_FORMAT (damaged data), STP_ERROR_OUT_OF_MEMORY
 STP_API STP_MUST_USE stp_result stp_model_pick(stp_model* model, const stp_view* view, double x,
                                                double y, stp_hit* hit);
+/// The same, as a descriptor says; NULL: the default. Also returns STP_ERROR_UNSUPPORTED if it sets
+/// fields that this version of the library lacks.
+STP_API STP_MUST_USE stp_result stp_model_pick_with(stp_model* model, const stp_view* view,
+                                                    const stp_hit_desc* desc, double x, double y,
+                                                    stp_hit* hit);
 
 #ifdef __cplusplus
 }

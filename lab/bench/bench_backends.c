@@ -111,7 +111,7 @@ static stp_result draw(frame_maker* maker, const picture_case* c, const stp_view
     stp_view other = *view; // another view restarts the accumulation
     other.fov_degrees *= 0.9;
     stp_result result = frame_accumulate(maker, &other, quality, ACCUMULATED, image);
-    *figures = (frame_figures){.splat_size = c->splat_size};
+    *figures = (frame_figures){.cost.splat_size = c->splat_size};
     for (int i = 0; i < ACCUMULATED && result == STP_OK; ++i) {
         result = frame_accumulate(maker, view, quality, ACCUMULATED, image);
     }

@@ -79,7 +79,8 @@ static void set_figures(const frame_bench* b, const bench_entry* entry, json_t* 
 
 static int compare_figures(const void* a, const void* b)
 {
-    double x = ((const frame_figures*)a)->frame_ms, y = ((const frame_figures*)b)->frame_ms;
+    double x = ((const frame_figures*)a)->cost.milliseconds;
+    double y = ((const frame_figures*)b)->cost.milliseconds;
     return (x > y) - (x < y);
 }
 

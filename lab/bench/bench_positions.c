@@ -157,8 +157,8 @@ static stp_result measure_place(position_bench* b, const place* p, uint64_t seed
             result = frame_draw(&b->maker, &view, &b->quality, &b->image, &second);
         }
         if (result == STP_OK) {
-            t.first[i] = first.frame_ms;
-            t.second[i] = second.frame_ms;
+            t.first[i] = first.cost.milliseconds;
+            t.second[i] = second.cost.milliseconds;
             t.splats[i] = (double)second.splats;
             t.triangles[i] = (double)second.triangles;
         }

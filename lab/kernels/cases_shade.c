@@ -50,7 +50,7 @@ void kernel_run_merge(kernel_case* c)
     const stp_cpu_shade_kernels* kernels_here = stp_cpu_choose_shade_kernels();
     uint64_t* const buffers[WORKERS] = {in->buffers[0], in->buffers[1]};
     for (size_t row = 0; row < ROWS; ++row) {
-        kernels_here->merge(buffers, WORKERS, row * SHADE_WIDTH, SHADE_WIDTH,
+        kernels_here->merge(buffers, WORKERS, row * SHADE_WIDTH, SHADE_WIDTH, NULL,
                             (stp_cpu_shade_merged*)c->output + row);
     }
 }

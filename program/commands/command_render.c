@@ -234,7 +234,8 @@ static int choose_view(session* s, const char* path)
 
 static int compare_figures(const void* a, const void* b)
 {
-    double x = ((const frame_figures*)a)->frame_ms, y = ((const frame_figures*)b)->frame_ms;
+    double x = ((const frame_figures*)a)->cost.milliseconds;
+    double y = ((const frame_figures*)b)->cost.milliseconds;
     return (x > y) - (x < y);
 }
 
@@ -255,19 +256,19 @@ static stp_result draw_frames(session* s)
     size_t count = 0, maximum = 0;
     if (result == STP_OK && args.draw.json) {
         // occlusion is known from the second frame on; a reference does not use it
-        maximum = frames[0].frame_ms >= slow_ms ? !args.draw.settings.quality.reference
-                  : args.once                   ? 1
-                                                : REPEATS;
+        maximum = frames[0].cost.milliseconds >= slow_ms ? !args.draw.settings.quality.reference
+                  : args.once                            ? 1
+                                                         : REPEATS;
     }
     while (result == STP_OK && count < maximum && (count < 3 || total < repeat_ms)) {
         result = frame_draw(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[count]);
         result = tool_is_interrupted() ? STP_ERROR_CANCELLED : result;
-        total += frames[count++].frame_ms;
+        total += frames[count++].cost.milliseconds;
     }
     assert(count <= maximum && maximum <= REPEATS);
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
-    s->picture_ms = s->figures.frame_ms;
+    s->picture_ms = s->figures.cost.milliseconds;
     uint32_t frames_wanted = frames_of_picture(s);
     double start = stp_clock_ms();
     for (uint32_t i = 0; result == STP_OK && frames_wanted > 1 && i < frames_wanted; ++i) {
@@ -345,7 +346,7 @@ static json_t* describe(const session* s, json_t* picked)
 /// An empty picture is rarely intended, so a message says why it is empty.
 static void explain_empty(const session* s, const char* path)
 {
-    if (s->figures.covered_pixels == 0) {
+    if (s->figures.cost.covered_pixels == 0) {
         bool any = stp_store_get_directory(s->drawing.store)->root != STP_STORE_NONE;
         stp_warn(s->drawing.context, "%s: the picture is empty: %s", path,
                  !any                               ? "the scene is empty"
@@ -463,7 +464,7 @@ static int run(int argc, char** argv)
     if (code != 0) {
         return code;
     }
-    session s = {.figures = {0}};
+    session s = {0};
     if (!drawing_begin(&s.drawing, &args.draw)) {
         return 1;
     }

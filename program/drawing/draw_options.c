@@ -103,7 +103,8 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .help =
              "transparent surfaces: layers (all, sorted), nearest (one layer, as opaque as all) or "
              "pattern (dithered); default auto: layers, but nearest in flights without "
-             "--budget-ms; --budget-ms draws nearest instead of layers where those take too long",
+             "--budget-ms; --budget-ms draws nearest, then pattern, in place of layers where those "
+             "take too long",
          .value = &o->transparency,
          .rare = true},
         OPTION_CUES(&o->cues),

@@ -27,7 +27,8 @@ static json_t* describe_qualities(const flight_record* record)
 /// Names of the effects that a frame was drawn without.
 static json_t* describe_left_out(uint32_t left_out)
 {
-    static const char* const names[STP_EFFECT_COUNT] = {"occlusion", "antialiasing", "layers"};
+    static const char* const names[STP_EFFECT_COUNT] = {"occlusion", "antialiasing", "layers",
+                                                        "nearest"};
     json_t* list = json_array();
     for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
         if ((left_out >> i & 1u) != 0) {
@@ -60,7 +61,7 @@ static double part_within(const flight_record* record, double max_ms)
 {
     uint32_t within = 0;
     for (uint32_t i = 0; i < record->frame_count; ++i) {
-        within += record->frames[i].frame_ms <= max_ms;
+        within += record->frames[i].cost.milliseconds <= max_ms;
     }
     return (double)within / (double)record->frame_count;
 }

@@ -98,9 +98,7 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
         uint32_t left_out = plan->budget_ms > 0.0 ? stp_budget_left_out(&budget) : 0;
         maker->style = stp_draw_style_without(&whole, left_out);
         result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
-        record->frames[i].left_out = left_out;
-        stp_frame_cost cost = frame_cost(&record->frames[i]);
-        stp_budget_update(&budget, &cost);
+        stp_budget_update(&budget, &record->frames[i].cost);
         if (result == STP_OK) {
             result =
                 stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);
@@ -212,7 +210,7 @@ static stp_result study_frame(study* s, uint32_t i)
     stp_quality quality = plan->quality;
     s->frame = i;
     if (plan->budget_ms > 0.0) {
-        quality.splat_size = s->record->frames[i].splat_size;
+        quality.splat_size = s->record->frames[i].cost.splat_size;
     }
     const stp_draw_style style = s->maker->style;
     s->maker->style = stp_draw_style_without(&style, s->record->frames[i].left_out);
@@ -299,7 +297,7 @@ stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record
 
 double flight_frame_ms(const frame_figures* figures)
 {
-    return figures->frame_ms;
+    return figures->cost.milliseconds;
 }
 
 double flight_splats(const frame_figures* figures)
@@ -314,12 +312,12 @@ double flight_triangles(const frame_figures* figures)
 
 double flight_splat_size(const frame_figures* figures)
 {
-    return (double)figures->splat_size;
+    return (double)figures->cost.splat_size;
 }
 
 double flight_draw_calls(const frame_figures* figures)
 {
-    return (double)figures->draw_calls;
+    return (double)figures->cost.draw_calls;
 }
 
 double flight_extra_splats(const frame_figures* figures)

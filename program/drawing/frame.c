@@ -184,23 +184,19 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
         stp_residency_get_stats(maker->residency, &loaded);
         missing = loaded.missing;
     }
-    *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
-                               .missing = missing,
-                               .select_ms = stats->select_ms,
-                               .draw_ms = stats->draw_ms,
-                               .shade_ms = stats->shade_ms,
-                               .splat_size = maker->list.splat_size,
-                               .splats = stats->splats,
-                               .triangles = stats->triangles,
-                               .listed_splats = stats->listed_splats,
-                               .listed_triangles = stats->listed_triangles,
-                               .fragments = stats->fragments,
-                               .covered_pixels = stats->covered_pixels,
-                               .extra_splats = eyes * maker->list.extra_splats,
-                               .nodes = maker->list.node_count,
-                               .draw_calls = stats->draw_calls,
-                               .layers = stats->layers};
-    stp_draw_split_effects(style, stats, figures->frame_ms, figures->effect_ms);
+    double frame_ms = stp_clock_ms() - start;
+    *figures =
+        (frame_figures){.cost = stp_draw_frame_cost(style, stats, maker->list.splat_size, frame_ms),
+                        .left_out = style->left_out,
+                        .missing = missing,
+                        .select_ms = stats->select_ms,
+                        .draw_ms = stats->draw_ms,
+                        .shade_ms = stats->shade_ms,
+                        .splats = stats->splats,
+                        .triangles = stats->triangles,
+                        .extra_splats = eyes * maker->list.extra_splats,
+                        .nodes = maker->list.node_count,
+                        .layers = stats->layers};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -259,19 +255,6 @@ stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_
     return frame_do(maker, accumulate_once, &task);
 }
 
-stp_frame_cost frame_cost(const frame_figures* figures)
-{
-    stp_frame_cost cost = {.milliseconds = figures->frame_ms,
-                           .splats = figures->listed_splats,
-                           .fragments = figures->fragments,
-                           .triangles = figures->listed_triangles,
-                           .covered_pixels = figures->covered_pixels,
-                           .draw_calls = (uint32_t)figures->draw_calls,
-                           .splat_size = figures->splat_size};
-    memcpy(cost.effect_ms, figures->effect_ms, sizeof(cost.effect_ms));
-    return cost;
-}
-
 stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                         stp_quality* quality, stp_image* image)
 {
@@ -287,8 +270,7 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
         maker->style = stp_draw_style_without(&whole, stp_budget_left_out(budget));
         result = frame_draw(maker, view, quality, image, &figures);
         if (result == STP_OK) {
-            stp_frame_cost cost = frame_cost(&figures);
-            stp_budget_update(budget, &cost);
+            stp_budget_update(budget, &figures.cost);
             float next = stp_budget_splat_size(budget);
             double change = fabs((double)next / (double)quality->splat_size - 1.0);
             bool decided = stp_budget_has_decided(budget);
@@ -334,14 +316,15 @@ static json_t* describe_gl(const frame_figures* f)
 
 json_t* frame_describe(const frame_figures* f)
 {
+    const stp_frame_cost* c = &f->cost;
     return json_pack(
         "{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
-        "splat_size", (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms", f->select_ms,
+        "splat_size", (double)c->splat_size, "frame_ms", c->milliseconds, "select_ms", f->select_ms,
         "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats", (json_int_t)f->splats,
-        "fragments", (json_int_t)f->fragments, "clusters", (json_int_t)f->clusters, "triangles",
-        (json_int_t)f->triangles, "listed_splats", (json_int_t)f->listed_splats, "listed_triangles",
-        (json_int_t)f->listed_triangles, "nodes", (json_int_t)f->nodes, "draw_calls",
-        (json_int_t)f->draw_calls, "covered_pixels", (json_int_t)f->covered_pixels, "layers",
+        "fragments", (json_int_t)c->fragments, "clusters", (json_int_t)f->clusters, "triangles",
+        (json_int_t)f->triangles, "listed_splats", (json_int_t)c->splats, "listed_triangles",
+        (json_int_t)c->triangles, "nodes", (json_int_t)f->nodes, "draw_calls",
+        (json_int_t)c->draw_calls, "covered_pixels", (json_int_t)c->covered_pixels, "layers",
         (json_int_t)f->layers, "gl", describe_gl(f));
 }
 

@@ -8,14 +8,12 @@
 
 /// Figures and times of a frame.
 typedef struct frame_figures {
-    double frame_ms, select_ms, draw_ms, shade_ms; ///< the first is select, draw and shade
-    double effect_ms[STP_EFFECT_COUNT];            ///< as in stp_frame_cost
-    uint32_t left_out; ///< effects that a frame of a flight was drawn without (stp_budget_left_out)
-    float splat_size;  ///< in effect
-    uint64_t splats, triangles, fragments, covered_pixels;
-    uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
-    uint64_t extra_splats;                    ///< listed while levels blend
-    uint64_t clusters, nodes, draw_calls;
+    stp_frame_cost cost; ///< of the whole frame: selected, drawn and shaded
+    double select_ms, draw_ms, shade_ms;
+    uint32_t left_out;          ///< effects that it was drawn without (stp_budget_left_out)
+    uint64_t splats, triangles; ///< drawn; `cost` counts what was looked at to draw them
+    uint64_t extra_splats;      ///< listed while levels blend
+    uint64_t clusters, nodes;
     uint32_t layers;  ///< layers of transparent surfaces
     uint32_t missing; ///< resources the view needs that were not, or not completely, loaded
     bool on_gl;       ///< drawn by OpenGL, which fills these (stp_draw_gl_stats):
@@ -87,9 +85,6 @@ STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* vie
 /// or an interrupt. Sets quality->splat_size. Draws without the effects that the budget leaves out.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
                                      stp_quality* quality, stp_image* image);
-
-/// What the budget learns from a frame.
-stp_frame_cost frame_cost(const frame_figures* figures);
 
 /// Allocates a picture with stp_alloc. @return false, with the message printed
 bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image);

@@ -4,6 +4,7 @@
 #include "base/io/hash.h"
 #include "base/math/color.h"
 #include "scene/looks.h"
+#include "scene/texel_runs.h"
 
 #include <assert.h>
 #include <stddef.h>
@@ -24,30 +25,68 @@ typedef struct reduction {
     float* distance;        ///< from each material's shading to the nearest chosen one
 } reduction;
 
-static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
+/// Sums of a run of texels, as stored and linear.
+typedef struct run_sums {
+    double raw[3], linear[3];
+} run_sums;
+
+static void sum_texels(const stp_texture* texture, const stp_texel_run* run, size_t index,
+                       void* user)
 {
-    (void)worker;
-    reduction* r = user;
-    for (size_t i = begin; i < end; ++i) {
-        const stp_texture* texture = &r->scene->textures[i];
-        uint64_t counts[3][256] = {{0}};
-        size_t size = (size_t)texture->width * texture->height;
-        for (size_t k = 0; k < size; ++k) {
-            for (int channel = 0; channel < 3; ++channel) {
-                counts[channel][texture->texels[4 * k + (size_t)channel]] += 1;
-            }
-        }
+    run_sums* sums = (run_sums*)user + index;
+    uint64_t counts[3][256] = {{0}};
+    for (size_t k = run->begin; k < run->end; ++k) {
         for (int channel = 0; channel < 3; ++channel) {
-            double raw = 0.0, linear = 0.0;
-            for (int value = 0; value < 256; ++value) {
-                raw += (double)counts[channel][value] * value;
-                linear +=
-                    (double)counts[channel][value] * (double)stp_srgb8_to_linear((uint8_t)value);
-            }
-            r->means[i].raw[channel] = size != 0 ? (float)(raw / (255.0 * (double)size)) : 1.0f;
-            r->means[i].linear[channel] = size != 0 ? (float)(linear / (double)size) : 1.0f;
+            counts[channel][texture->texels[4 * k + (size_t)channel]] += 1;
         }
     }
+    for (int channel = 0; channel < 3; ++channel) {
+        for (int value = 0; value < 256; ++value) {
+            double count = (double)counts[channel][value];
+            sums->raw[channel] += count * value;
+            sums->linear[channel] += count * (double)stp_srgb8_to_linear((uint8_t)value);
+        }
+    }
+}
+
+static void find_means(reduction* r, const stp_texel_runs* runs, const run_sums* of_runs)
+{
+    size_t run = 0;
+    for (size_t i = 0; i < r->scene->texture_count; ++i) {
+        const stp_texture* texture = &r->scene->textures[i];
+        double size = (double)texture->width * texture->height;
+        run_sums sums = {0};
+        for (; run < runs->count && runs->runs[run].texture == i; ++run) {
+            for (int c = 0; c < 3; ++c) {
+                sums.raw[c] += of_runs[run].raw[c];
+                sums.linear[c] += of_runs[run].linear[c];
+            }
+        }
+        for (int c = 0; c < 3; ++c) {
+            r->means[i].raw[c] = size > 0.0 ? (float)(sums.raw[c] / (255.0 * size)) : 1.0f;
+            r->means[i].linear[c] = size > 0.0 ? (float)(sums.linear[c] / size) : 1.0f;
+        }
+    }
+    assert(run == runs->count);
+}
+
+static stp_result measure_textures(reduction* r)
+{
+    stp_context* context = r->scene->context;
+    stp_texel_runs runs;
+    run_sums* sums = NULL;
+    stp_result result = stp_texel_runs_list(r->scene, NULL, r->scene->texture_count, &runs);
+    if (result == STP_OK) {
+        sums = STP_NEW_ZEROED(context, run_sums, runs.count + 1);
+        result = sums != NULL ? stp_texel_runs_read(r->scene, &runs, "looks", sum_texels, sums)
+                              : stp_fail_memory(context);
+    }
+    if (result == STP_OK) {
+        find_means(r, &runs, sums);
+    }
+    stp_free(context, sums);
+    stp_texel_runs_destroy(r->scene, &runs);
+    return result;
 }
 
 static stp_shading make_shading(const reduction* r, const stp_material* material)
@@ -301,6 +340,21 @@ static void choose_shadings(reduction* r, stp_shading_set* set)
     }
 }
 
+static void fill_set(reduction* r, bool with_growths, shading_place* places, stp_shading_set* set)
+{
+    const stp_scene* scene = r->scene;
+    for (size_t i = 0; i < scene->material_count; ++i) {
+        r->exact[i] = make_shading(r, &scene->materials[i]);
+    }
+    for (uint32_t i = 0; i < scene->variant_count; ++i) {
+        r->exact[scene->material_count + i] = make_variant(r, i);
+    }
+    mark_used(r);
+    if (!place_most(r, with_growths, places, set)) {
+        choose_shadings(r, set);
+    }
+}
+
 stp_result stp_make_shadings(const stp_scene* scene, bool with_growths, stp_shading_set* set)
 {
     stp_context* context = scene->context;
@@ -316,18 +370,9 @@ stp_result stp_make_shadings(const stp_scene* scene, bool with_growths, stp_shad
     shading_place* places = STP_NEW_ARRAY(context, shading_place, STP_GROWTHS * count);
     bool made = places != NULL && r.means != NULL && r.exact != NULL && r.used != NULL &&
                 r.of_points != NULL && r.distance != NULL && set->of_material != NULL;
-    if (made) {
-        stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
-        for (size_t i = 0; i < scene->material_count; ++i) {
-            r.exact[i] = make_shading(&r, &scene->materials[i]);
-        }
-        for (uint32_t i = 0; i < scene->variant_count; ++i) {
-            r.exact[scene->material_count + i] = make_variant(&r, i);
-        }
-        mark_used(&r);
-        if (!place_most(&r, with_growths, places, set)) {
-            choose_shadings(&r, set);
-        }
+    stp_result result = made ? measure_textures(&r) : stp_fail_memory(context);
+    if (result == STP_OK) {
+        fill_set(&r, with_growths, places, set);
     } else {
         stp_free(context, set->of_material);
         set->of_material = NULL;
@@ -338,5 +383,5 @@ stp_result stp_make_shadings(const stp_scene* scene, bool with_growths, stp_shad
     stp_free(context, r.used);
     stp_free(context, r.exact);
     stp_free(context, r.means);
-    return made ? STP_OK : stp_fail_memory(context);
+    return result;
 }

@@ -24,6 +24,7 @@ typedef struct stp_shading_set {
 /// the nearest. Textures of metallic, roughness and emission count by their mean; the variants of a
 /// material by their own values. With growths, materials of point sets have a further shading for
 /// each, if all fit: first together with all variants, then without these, which take the shading
-/// of their material.
+/// of their material. Reports progress.
+/// @return STP_OK, STP_ERROR_CANCELLED or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_make_shadings(const stp_scene* scene, bool with_growths,
                                           stp_shading_set* set);

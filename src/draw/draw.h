@@ -81,6 +81,9 @@ typedef struct stp_draw_style {
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim:
     /// for `stipple-lab bench quality`, which compares depths. CPU, without a filter.
     bool plane_depth;
+    /// Effects that a budget left out of the style (draw/frame_effects.h). Pictures do not depend on
+    /// it.
+    uint32_t left_out;
 } stp_draw_style;
 
 /// Whether two styles give the same picture.

@@ -73,15 +73,24 @@ static stp_result describe_hit(stp_model* model, const stp_view* view, const stp
 
 stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, double y, stp_hit* hit)
 {
+    return stp_model_pick_with(model, view, NULL, x, y, hit);
+}
+
+stp_result stp_model_pick_with(stp_model* model, const stp_view* view, const stp_hit_desc* given,
+                               double x, double y, stp_hit* hit)
+{
     stp_pick pick;
+    stp_hit_desc how;
     stp_hit made = {.object = STP_NO_OBJECT, .placed_object = STP_NO_OBJECT};
     stp_result result = STP_CHECK_CALL(model, view);
     result = result == STP_OK ? STP_CHECK_CALL(model, hit) : result;
+    result = result == STP_OK ? STP_READ_DESC(model->context, stp_hit_desc, &how, given) : result;
     result = result == STP_OK ? stp_view_check(model->context, view) : result;
     if (result != STP_OK) {
         return result;
     }
-    stp_pick_desc desc = {.sections = &view->sections, .visibility = model->visibility};
+    stp_pick_desc desc = {
+        .sections = &view->sections, .visibility = model->visibility, .back_faces = how.back_faces};
     if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "stp_model_pick: the position is not finite, or too far outside");

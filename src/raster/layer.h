@@ -7,6 +7,8 @@
 
 #include "raster/target.h"
 
+enum { STP_LAYER_MARKED = 64 }; ///< pixels, in their order in memory, that share a mark
+
 typedef struct stp_raster_layer {
     const uint64_t* nearer;  ///< previous layer of each pixel; 0 for the first layer
     const uint64_t* farther; ///< opaque surface of each pixel
@@ -14,6 +16,8 @@ typedef struct stp_raster_layer {
     /// surface overlap and count once.
     const float* splats_below;
     uint64_t* found; ///< counts the fragments between the two, drawn or not
+    /// Per STP_LAYER_MARKED pixels: becomes true where there are such fragments
+    bool* marks;
     /// The test of triangle fragments (`keep`) wants all of them between the two, nearest or not
     bool tests_all;
 } stp_raster_layer;
@@ -23,6 +27,7 @@ static inline bool stp_layer_has(const stp_raster_layer* layer, size_t at, uint6
 {
     bool between = pixel > layer->nearer[at] && pixel < layer->farther[at];
     *layer->found += between;
+    layer->marks[at / STP_LAYER_MARKED] |= between;
     return between;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/core/context.h"
 #include "base/math/color.h"
+#include "scene/texel_runs.h"
 
 #include <assert.h>
 #include <string.h>
@@ -53,7 +54,6 @@ static uint32_t glow_steps(uint32_t kind)
 
 /// The code and the three values of a texel, from three of its bytes.
 typedef struct texel_table {
-    uint32_t steps[3];
     uint8_t channel[3];
     uint8_t code[3][256]; ///< the sum of three is the code
     float value[3][256];
@@ -61,7 +61,7 @@ typedef struct texel_table {
 
 static void make_surface_table(texel_table* table)
 {
-    *table = (texel_table){.steps = {1, METAL_STEPS, ROUGH_STEPS}, .channel = {2, 1, 0}};
+    *table = (texel_table){.channel = {2, 1, 0}};
     for (int i = 0; i < 256; ++i) {
         float value = (float)i / 255.0f;
         table->value[0][i] = table->value[1][i] = value;
@@ -72,7 +72,7 @@ static void make_surface_table(texel_table* table)
 
 static void make_glow_table(uint32_t steps, texel_table* table)
 {
-    *table = (texel_table){.steps = {steps, steps, steps}, .channel = {0, 1, 2}};
+    *table = (texel_table){.channel = {0, 1, 2}};
     for (int i = 0; i < 256; ++i) {
         for (int c = 0; c < 3; ++c) {
             float color[3] = {0.0f, 0.0f, 0.0f};
@@ -88,10 +88,10 @@ typedef struct code_sums {
     double sum[STP_LOOK_CODES][3];
 } code_sums;
 
-static void add_texels(const stp_texture* texture, const texel_table* table, code_sums* sums)
+static void add_texels(const stp_texture* texture, const stp_texel_run* run,
+                       const texel_table* table, code_sums* sums)
 {
-    size_t size = (size_t)texture->width * texture->height;
-    for (size_t i = 0; i < size; ++i) {
+    for (size_t i = run->begin; i < run->end; ++i) {
         const uint8_t* t = texture->texels + 4 * i;
         uint32_t code = 0;
         for (int c = 0; c < 3; ++c) {
@@ -101,6 +101,17 @@ static void add_texels(const stp_texture* texture, const texel_table* table, cod
         sums->count[code] += 1;
         for (int c = 0; c < 3; ++c) {
             sums->sum[code][c] += (double)table->value[c][t[table->channel[c]]];
+        }
+    }
+}
+
+/// Adds the sums of the next run of a texture.
+static void add_sums(code_sums* sums, const code_sums* run)
+{
+    for (int i = 0; i < STP_LOOK_CODES; ++i) {
+        sums->count[i] += run->count[i];
+        for (int c = 0; c < 3; ++c) {
+            sums->sum[i][c] += run->sum[i][c];
         }
     }
 }
@@ -173,29 +184,42 @@ static void make_bins(const code_sums* sums, const uint32_t steps[3], stp_look_b
     }
 }
 
-static void find_bins(const stp_texture* texture, uint32_t kind, stp_look_bins* bins)
+static void make_table(uint32_t kind, texel_table* table)
 {
-    texel_table table;
-    code_sums sums = {0};
-    float mean[3];
     if (kind == BINS_OF_SURFACE) {
-        make_surface_table(&table);
+        make_surface_table(table);
     } else {
-        make_glow_table(glow_steps(kind), &table);
+        make_glow_table(glow_steps(kind), table);
     }
-    add_texels(texture, &table, &sums);
-    find_mean(&sums, mean);
-    add_mean(&sums,
-             kind == BINS_OF_SURFACE ? surface_code(mean[0], mean[1])
-                                     : glow_code(mean, glow_steps(kind)),
-             mean);
-    make_bins(&sums, table.steps, bins);
+}
+
+/// Finds bins from the sums of a texture, to which it adds the mean.
+static void find_bins(code_sums* sums, uint32_t kind, stp_look_bins* bins)
+{
+    static const uint32_t surface_steps[3] = {1, METAL_STEPS, ROUGH_STEPS};
+    bool surface = kind == BINS_OF_SURFACE;
+    float mean[3];
+    find_mean(sums, mean);
+    if (surface) {
+        add_mean(sums, surface_code(mean[0], mean[1]), mean);
+        make_bins(sums, surface_steps, bins);
+    } else {
+        const uint32_t steps = glow_steps(kind), glow[3] = {steps, steps, steps};
+        add_mean(sums, glow_code(mean, steps), mean);
+        make_bins(sums, glow, bins);
+    }
 }
 
 /// What bins are found from.
 typedef struct bins_source {
     uint32_t texture, kind;
 } bins_source;
+
+/// The sums of the runs of textures, which are read for some bins.
+typedef struct sums_reading {
+    const bins_source* sources; ///< as the runs count them
+    code_sums* sums;            ///< of each run
+} sums_reading;
 
 /// A search for the bins of all looks. Looks that share a texture share its bins.
 typedef struct look_search {
@@ -251,21 +275,59 @@ static stp_result ask_look(look_search* s, stp_look* look, bool first)
     return result;
 }
 
-static void find_some(size_t begin, size_t end, uint32_t worker, void* user)
+static void read_run(const stp_texture* texture, const stp_texel_run* run, size_t index, void* user)
 {
-    (void)worker;
-    look_search* s = user;
-    for (size_t i = begin; i < end; ++i) {
-        const bins_source* source = &s->sources[s->found + i];
-        const stp_texture* texture = &s->scene->textures[source->texture];
-        find_bins(texture, source->kind, &s->scene->look_bins[s->found + i]);
+    const sums_reading* r = user;
+    texel_table table;
+    make_table(r->sources[run->source].kind, &table);
+    add_texels(texture, run, &table, &r->sums[index]);
+}
+
+/// Finds the bins that are asked for, from the sums of the runs of their textures.
+static void find_asked(look_search* s, const stp_texel_runs* runs, const code_sums* of_runs)
+{
+    size_t run = 0;
+    for (uint32_t i = s->found; i < s->count; ++i) {
+        code_sums sums = {0};
+        for (; run < runs->count && s->found + runs->runs[run].source == i; ++run) {
+            add_sums(&sums, &of_runs[run]);
+        }
+        find_bins(&sums, s->sources[i].kind, &s->scene->look_bins[i]);
     }
+    assert(run == runs->count);
+    s->found = s->count;
+}
+
+/// Reads the textures of the bins that are asked for, and finds these.
+static stp_result read_asked(look_search* s)
+{
+    stp_context* context = s->scene->context;
+    size_t count = s->count - s->found;
+    stp_texel_runs runs = {0};
+    sums_reading r = {.sources = s->sources + s->found};
+    uint32_t* textures = STP_NEW_ARRAY(context, uint32_t, count);
+    stp_result result = textures != NULL ? STP_OK : stp_fail_memory(context);
+    for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        textures[i] = r.sources[i].texture;
+    }
+    result = result == STP_OK ? stp_texel_runs_list(s->scene, textures, count, &runs) : result;
+    if (result == STP_OK) {
+        r.sums = STP_NEW_ZEROED(context, code_sums, runs.count + 1);
+        result = r.sums != NULL ? stp_texel_runs_read(s->scene, &runs, "looks", read_run, &r)
+                                : stp_fail_memory(context);
+    }
+    if (result == STP_OK) {
+        find_asked(s, &runs, r.sums);
+    }
+    stp_free(context, r.sums);
+    stp_texel_runs_destroy(s->scene, &runs);
+    stp_free(context, textures);
+    return result;
 }
 
 /// Finds the bins of all looks: in rounds, because fewer steps are tried only where needed.
 static stp_result search_bins(look_search* s)
 {
-    static const stp_loop_report report = {.stage = "looks", .unit = "textures"};
     stp_scene* scene = s->scene;
     stp_result result = STP_SCENE_MAKE_ROOM(scene->context, scene->look_bins, s->bins_capacity, 1);
     result = result == STP_OK
@@ -281,9 +343,7 @@ static stp_result search_bins(look_search* s)
             result = ask_look(s, &scene->looks[i], round == 0);
         }
         if (result == STP_OK && s->found < s->count) {
-            result = stp_parallel_for_reported(scene->context, s->count - s->found, 1, find_some, s,
-                                               &report);
-            s->found = s->count;
+            result = read_asked(s);
         }
     }
     return result;

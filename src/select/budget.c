@@ -48,13 +48,15 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define LEAST_LIMITED 3.0 // above this size
 #define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
 #define EFFECT_SHARE 0.05 // effects that take less of the budget are never left out
-#define EFFECT_SIZE 1.5   // nor others while splats are at most this large,
-#define EFFECT_MOST 0.75  // unless all effects take more of the budget than this
+#define EFFECT_MOST 0.75  // nor others while splats are fine, unless all take more than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
 #define EFFECT_FRAMES 15  // for so many frames, before the next one returns
 // Frames with an effect before it is judged. The first frame is cold, but many samples or layers
 // may take so long that a second one is not worth it.
-static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1};
+static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1, 3};
+// Splats up to these sizes count as fine beside an effect. Instead of the nearest layer there is a
+// pattern, which shows nearly as much: it is not worth larger splats.
+static const double effect_size[STP_EFFECT_COUNT] = {1.5, 1.5, 1.5, 1.1};
 #define TRIAL_AFTER 40  // late frames in a row before finer splats are tried
 #define TRIAL_PAUSE 120 // frames after a trial that failed
 #define TRIAL_LOSS 1.06 // factor on the time that finer splats may take
@@ -378,7 +380,9 @@ static double leave_effects(stp_budget* b, double margin)
             sum += is_judged(b, k) ? b->effects[k].ms : 0.0;
         }
         bool dear = b->effects[i].ms > EFFECT_SHARE * b->budget_ms;
-        if (is_judged(b, i) && dear && (size > EFFECT_SIZE || sum > EFFECT_MOST * b->budget_ms)) {
+        bool alone = i != STP_EFFECT_NEAREST || b->effects[STP_EFFECT_LAYERS].left_out;
+        if (is_judged(b, i) && dear && alone &&
+            (size > effect_size[i] || sum > EFFECT_MOST * b->budget_ms)) {
             b->effects[i].left_out = true;
             b->calm_frames = 0;
             size = solve_size(b, margin * time_for_detail(b));
@@ -387,17 +391,31 @@ static double leave_effects(stp_budget* b, double margin)
     return size;
 }
 
+/// Adds the times of effects to that of a frame without them: of the last one to that of `first`.
+static double add_effects(const stp_budget* b, double milliseconds, int first)
+{
+    for (int i = STP_EFFECT_COUNT; i-- > first;) {
+        const stp_budget_effect_state* e = &b->effects[i];
+        milliseconds += i == STP_EFFECT_ANTIALIASING ? e->share * milliseconds
+                                                     : expect_effect(e, b->last.covered_pixels);
+    }
+    return milliseconds;
+}
+
+double stp_budget_predict_whole(const stp_budget* budget, double splat_size)
+{
+    return add_effects(budget, stp_budget_predict(budget, splat_size), 0);
+}
+
 /// Takes back the effect that was left out last, once there was time for it during some frames.
 static void return_effect(stp_budget* b)
 {
-    double detail = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN), wanted = detail;
-    int next = -1;
-    for (int i = STP_EFFECT_COUNT; i-- > 0 && next < 0;) {
-        const stp_budget_effect_state* e = &b->effects[i];
-        wanted += i == STP_EFFECT_ANTIALIASING ? e->share * wanted
-                                               : expect_effect(e, b->last.covered_pixels);
-        next = e->left_out ? i : next;
+    int next = STP_EFFECT_COUNT - 1;
+    while (next >= 0 && !b->effects[next].left_out) {
+        next -= 1;
     }
+    double detail = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN);
+    double wanted = next >= 0 ? add_effects(b, detail, next) : detail;
     // no effect returns that would be left out again
     bool fits = wanted <= EFFECT_ROOM * b->budget_ms &&
                 wanted - detail <= EFFECT_ROOM * EFFECT_MOST * b->budget_ms;

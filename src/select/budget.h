@@ -23,6 +23,7 @@ typedef enum stp_budget_effect {
     STP_EFFECT_OCCLUSION,    ///< ambient occlusion
     STP_EFFECT_ANTIALIASING, ///< all samples of a pixel but one
     STP_EFFECT_LAYERS,       ///< all layers of transparent surfaces, instead of the nearest one
+    STP_EFFECT_NEAREST,      ///< the nearest layer, instead of a pattern of pixels
     STP_EFFECT_COUNT
 } stp_budget_effect;
 
@@ -100,6 +101,8 @@ bool stp_budget_has_decided(const stp_budget* budget);
 /// is 10^9 ms or more.
 void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 
-/// Predicted time of a frame like the last one at another size, in milliseconds. 0 before the first
-/// frame.
+/// Predicted time of a frame like the last one at another size, without effects, in milliseconds. 0
+/// before the first frame.
 double stp_budget_predict(const stp_budget* budget, double splat_size);
+/// The same with all effects that are wanted, whether or not they are left out.
+double stp_budget_predict_whole(const stp_budget* budget, double splat_size);

@@ -228,7 +228,10 @@ static void query(host* h)
     stp_attribute_info attribute = {0};
     stp_stream_info stream = {0};
     uint32_t found, children[3];
+    stp_hit_desc how = {.back_faces = small() % 2 == 0};
     CALL(h, model, stp_model_pick(model, maybe(&view), number(), number(), maybe(&hit)));
+    CALL(h, model,
+         stp_model_pick_with(model, maybe(&view), maybe(&how), number(), number(), maybe(&hit)));
     CALL(h, model, stp_model_get_info(model, maybe(&info)));
     CALL(h, model, stp_model_get_object(model, small(), maybe(&object)));
     CALL(h, model,

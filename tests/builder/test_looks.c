@@ -283,6 +283,41 @@ void test_looks_can_be_cancelled(test_state* test)
     stp_context_destroy(context);
 }
 
+/// Stops once some texels were read.
+static int stop_within(const stp_progress_report* report, void* user)
+{
+    *(uint64_t*)user = report->total;
+    return report->done > 0 && report->done < report->total;
+}
+
+/// A large texture is read in runs, between which the build can be cancelled.
+void test_looks_of_a_large_texture_can_be_cancelled(test_state* test)
+{
+    enum { WIDE = 4096, HIGH = 300 };
+    stp_context* context = NULL;
+    uint64_t texels = 0;
+    const stp_context_desc desc = {
+        .thread_count = 1, .progress = stop_within, .progress_user = &texels};
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    stp_scene* scene = make_shared(context, 1);
+    CHECK(scene != NULL);
+    uint32_t large = scene->materials[scene->meshes[0].material].metallic_roughness_texture.texture;
+    stp_texture* texture = &scene->textures[large];
+    stp_free(context, texture->texels);
+    texture->texels = stp_alloc_array(context, WIDE, 4 * HIGH);
+    CHECK(texture->texels != NULL);
+    memset(texture->texels, 0, (size_t)WIDE * 4 * HIGH);
+    texture->width = WIDE;
+    texture->height = HIGH;
+    CHECK_EQUAL(STP_ERROR_CANCELLED, stp_scene_find_looks(scene));
+    CHECK(texels >= (uint64_t)WIDE * HIGH);
+    stp_shading_set set;
+    CHECK_EQUAL(STP_ERROR_CANCELLED, stp_make_shadings(scene, false, &set));
+    CHECK(set.of_material == NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 static bool add_point(stp_scene* scene, uint32_t material)
 {
     stp_point_set set = {.point_count = 1, .material = material};

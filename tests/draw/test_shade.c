@@ -251,8 +251,16 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
             memcpy(used, made, sizeof(used));
             memset(&row, 0xFF, sizeof(row));
             const uint32_t at = 101, size = round % 2 == 0 ? SHADE_WIDTH : 37;
-            variants[v]->merge(buffers, BUFFERS, at, size, &row);
+            uint64_t copy[SHADE_WIDTH + 1] = {[0] = 7};
+            copy[size] = 7;
+            variants[v]->merge(buffers, BUFFERS, at, size, round % 3 == 0 ? NULL : copy, &row);
             CHECK(is_merged(made, at, size, &row));
+            CHECK(copy[size] == 7); // no more than asked for
+            for (uint32_t i = 0; i < size && round % 3 != 0; ++i) {
+                CHECK_EQUAL(stp_raster_id(copy[i]), row.ids[i + 1]);
+                CHECK(stp_raster_nearness(copy[i]) == row.nearness[i] ||
+                      copy[i] == STP_RASTER_EMPTY);
+            }
             for (int k = 0; k < BUFFERS; ++k) {
                 for (uint32_t i = 0; i < ROW; ++i) {
                     bool within = i >= at && i < at + size;

@@ -47,7 +47,7 @@ void test_frames_fall_back_to_the_cpu(test_state* test)
     CHECK_EQUAL(STP_OK, create(&m, FRAME_BACKEND_AUTO, context, &maker));
     CHECK(strcmp(frame_backend_name(&maker), "cpu") == 0);
     CHECK_EQUAL(STP_OK, frame_draw(&maker, &p->view, &p->quality, &image, &figures));
-    CHECK(figures.covered_pixels > 100);
+    CHECK(figures.cost.covered_pixels > 100);
     frame_maker_destroy(&maker);
     // a request for OpenGL fails with the reason
     log.errors = 0;

@@ -543,9 +543,10 @@ void test_budget_takes_effects_back_in_a_smaller_picture(test_state* test)
 /// Detail, samples and effects of a frame: its model has a fixed part, a part that follows the size
 /// of splats, occlusion, 2 x 2 samples and layers.
 typedef struct lavish_machine {
-    double fixed_ms, detail_ms; ///< of one sample; the second at size 1
-    double occlusion_ms, layer_ms;
+    double fixed_ms, detail_ms;                ///< of one sample; the second at size 1
+    double occlusion_ms, layer_ms, nearest_ms; ///< the second: beside the nearest layer
     double noise;
+    bool plain; ///< one sample a pixel is wanted
 } lavish_machine;
 
 /// Draws a frame of a machine with the effects that the budget allows.
@@ -554,10 +555,12 @@ static stp_frame_cost draw_lavish(stp_budget* budget, const lavish_machine* m, u
     uint32_t left_out = stp_budget_left_out(budget);
     double size = (double)stp_budget_splat_size(budget);
     double noise = random_between(frame, 1.0 - m->noise, 1.0 + m->noise);
-    double samples = (left_out >> STP_EFFECT_ANTIALIASING & 1u) != 0 ? 1.0 : 4.0;
+    bool plain = m->plain || (left_out >> STP_EFFECT_ANTIALIASING & 1u) != 0;
+    double samples = plain ? 1.0 : 4.0;
     double occlusion = (left_out >> STP_EFFECT_OCCLUSION & 1u) != 0 ? 0.0 : m->occlusion_ms;
     double layers = (left_out >> STP_EFFECT_LAYERS & 1u) != 0 ? 0.0 : m->layer_ms;
-    double sample = noise * (m->fixed_ms + m->detail_ms / (size * size) + layers);
+    double nearest = (left_out >> STP_EFFECT_NEAREST & 1u) != 0 ? 0.0 : m->nearest_ms;
+    double sample = noise * (m->fixed_ms + m->detail_ms / (size * size) + layers + nearest);
     stp_frame_cost cost = {.milliseconds = samples * sample + noise * occlusion,
                            .splats = (uint64_t)(1e5 * m->detail_ms / (size * size)),
                            .fragments = (uint64_t)(4e4 * m->detail_ms),
@@ -567,6 +570,7 @@ static stp_frame_cost draw_lavish(stp_budget* budget, const lavish_machine* m, u
     cost.effect_ms[STP_EFFECT_OCCLUSION] = noise * occlusion;
     cost.effect_ms[STP_EFFECT_ANTIALIASING] = (samples - 1.0) * sample;
     cost.effect_ms[STP_EFFECT_LAYERS] = noise * layers;
+    cost.effect_ms[STP_EFFECT_NEAREST] = noise * nearest;
     stp_budget_update(budget, &cost);
     return cost;
 }
@@ -640,6 +644,100 @@ void test_budget_does_not_alternate_effects(test_state* test)
         }
         CHECK(changes <= 1);
     }
+}
+
+enum { GLASS_OUT = 1u << STP_EFFECT_LAYERS, PATTERN = GLASS_OUT | 1u << STP_EFFECT_NEAREST };
+
+/// Draws many frames. @return the bits that the last one was drawn without
+static uint32_t settle(stp_budget* budget, const lavish_machine* m, uint64_t first,
+                       stp_frame_cost* cost)
+{
+    uint32_t left_out = 0;
+    for (uint64_t frame = first; frame < first + 300; ++frame) {
+        left_out = stp_budget_left_out(budget);
+        *cost = draw_lavish(budget, m, frame);
+    }
+    return left_out;
+}
+
+void test_budget_leaves_the_nearest_layer_out_before_splats_grow(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 3.0,
+                        .detail_ms = 14.0,
+                        .layer_ms = 14.0,
+                        .nearest_ms = 4.5,
+                        .noise = 0.02,
+                        .plain = true};
+    const double budgets[] = {40.0, 26.0, 18.0, 12.0};
+    const uint32_t wanted[] = {0, GLASS_OUT, PATTERN, PATTERN};
+    for (int i = 0; i < 4; ++i) {
+        stp_budget budget, opaque;
+        stp_frame_cost cost, least;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, budgets[i]);
+        stp_budget_init(&opaque, STP_CONTROLLER_PREDICT, budgets[i]);
+        CHECK_EQUAL(wanted[i], settle(&budget, &m, 0, &cost));
+        CHECK(cost.milliseconds < 1.1 * budgets[i]);
+        lavish_machine without = m;
+        without.layer_ms = without.nearest_ms = 0.0;
+        CHECK_EQUAL(0, settle(&opaque, &without, 0, &least));
+        CHECK(cost.splat_size < 1.05f * least.splat_size); // not larger than beside a pattern
+    }
+}
+
+void test_budget_takes_the_nearest_layer_back(test_state* test)
+{
+    lavish_machine m = {
+        .fixed_ms = 3.0, .detail_ms = 14.0, .nearest_ms = 4.5, .noise = 0.02, .plain = true};
+    stp_frame_cost cost;
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 18.0);
+    m.layer_ms = 6.0;
+    CHECK_EQUAL(PATTERN, settle(&budget, &m, 0, &cost));
+    m.detail_ms = 8.0; // time for one layer
+    CHECK_EQUAL(GLASS_OUT, settle(&budget, &m, 300, &cost));
+    m.detail_ms = 1.0; // and for all
+    CHECK_EQUAL(0, settle(&budget, &m, 600, &cost));
+    m.detail_ms = 14.0;
+    CHECK_EQUAL(PATTERN, settle(&budget, &m, 900, &cost));
+}
+
+void test_budget_does_not_alternate_layers_and_pattern(test_state* test)
+{
+    for (int i = 0; i < 80; ++i) { // every share of the budget that layers may take
+        lavish_machine m = {.fixed_ms = 2.0,
+                            .detail_ms = 6.0 + 0.4 * (double)(i % 40),
+                            .layer_ms = i < 40 ? 3.0 : 0.0,
+                            .nearest_ms = 3.5,
+                            .noise = 0.04,
+                            .plain = true};
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
+        int changes = 0;
+        uint32_t before = 0;
+        for (uint64_t frame = 0; frame < 1000; ++frame) {
+            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
+            uint32_t left_out = stp_budget_left_out(&budget);
+            changes += frame > 60 && left_out != before ? 1 : 0;
+            before = left_out;
+        }
+        CHECK(changes <= 1);
+    }
+}
+
+void test_budget_predicts_frames_with_all_effects(test_state* test)
+{
+    const lavish_machine m = {
+        .fixed_ms = 2.0, .detail_ms = 4.0, .occlusion_ms = 9.0, .layer_ms = 5.0, .nearest_ms = 2.0};
+    stp_frame_cost cost;
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 12.0);
+    CHECK(stp_budget_predict_whole(&budget, 1.0) == 0.0);
+    CHECK(settle(&budget, &m, 0, &cost) != 0);
+    double whole = stp_budget_predict_whole(&budget, (double)cost.splat_size);
+    double size = (double)cost.splat_size;
+    double sample = m.fixed_ms + m.detail_ms / (size * size) + m.layer_ms + m.nearest_ms;
+    CHECK(fabs(whole / (4.0 * sample + m.occlusion_ms) - 1.0) < 0.1);
+    CHECK(stp_budget_predict(&budget, size) < 0.3 * whole);
 }
 
 void test_budget_does_not_grow_splats_for_unknown_effects(test_state* test)

@@ -68,6 +68,23 @@ static const painter_picture* wait_for(painter* p, uint64_t number)
     return picture;
 }
 
+/// The next picture of a request, complete or not.
+static const painter_picture* wait_for_any(painter* p, uint64_t number)
+{
+    const painter_picture* picture;
+    while ((picture = painter_take(p)) == NULL || picture->number != number) {
+        rest();
+    }
+    return picture;
+}
+
+/// Moves the eye a little, and waits for the picture.
+static const painter_picture* move_and_wait(painter* p, paint_request* request)
+{
+    request->view.eye.x += 0.01;
+    return wait_for_any(p, painter_request(p, request));
+}
+
 static paint_request ask(bool gl)
 {
     return (paint_request){.scene = 1,
@@ -300,18 +317,14 @@ void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
     request.style.supersample = 6;
     request.budget_ms = 0.1; // too little for any size
     for (int i = 0; i < 8; ++i) {
-        request.view.eye.x += 0.01;
-        uint64_t number = painter_request(p, &request);
-        while ((picture = painter_take(p)) == NULL || picture->number != number) {
-            rest();
-        }
-        size = i < 7 ? picture->figures.splat_size : size;
+        picture = move_and_wait(p, &request);
+        size = i < 7 ? picture->figures.cost.splat_size : size;
         if (i == 6) {
-            picture = wait_for(p, number);
-            CHECK(picture->figures.splat_size < 1.05f);
+            picture = wait_for(p, picture->number);
+            CHECK(picture->figures.cost.splat_size < 1.05f);
         }
     }
-    CHECK(size > 2.0f && picture->figures.splat_size > 0.8f * size);
+    CHECK(size > 2.0f && picture->figures.cost.splat_size > 0.8f * size);
     painter_destroy(p);
     unlink(path);
 }
@@ -330,26 +343,22 @@ void test_viewer_painter_takes_effects_back_at_rest(test_state* test)
     const painter_picture* picture = NULL;
     request.style.ambient_occlusion = 0.05f;
     request.budget_ms = 0.1; // too little for any effect
-    uint64_t number = 0, frame = 0;
+    uint64_t frame = 0;
     for (int i = 0; i < 8; ++i) {
-        request.view.eye.x += 0.01;
-        number = painter_request(p, &request);
-        while ((picture = painter_take(p)) == NULL || picture->number != number) {
-            rest();
-        }
+        picture = move_and_wait(p, &request);
         frame = picture->frame;
-        bool occluded = picture->figures.effect_ms[STP_EFFECT_OCCLUSION] > 0.0;
+        bool occluded = picture->figures.cost.effect_ms[STP_EFFECT_OCCLUSION] > 0.0;
         CHECK(i < 5 ? i > 2 || occluded : !occluded); // judged after three frames
     }
-    CHECK(picture->figures.splat_size > 1.5f && !picture->complete);
+    CHECK(picture->figures.cost.splat_size > 1.5f && !picture->complete);
     while ((picture = painter_take(p)) == NULL || picture->frame == frame) {
         rest();
     }
-    CHECK(picture->figures.effect_ms[STP_EFFECT_OCCLUSION] > 0.0);
+    CHECK(picture->figures.cost.effect_ms[STP_EFFECT_OCCLUSION] > 0.0);
     if (!picture->complete) { // splats shrink in steps on a busy machine
-        picture = wait_for(p, number);
+        picture = wait_for(p, picture->number);
     }
-    CHECK(picture->figures.splat_size < 1.05f);
+    CHECK(picture->figures.cost.splat_size < 1.05f);
     painter_destroy(p);
     unlink(path);
 }
@@ -372,15 +381,12 @@ void test_viewer_painter_answers_while_it_refines(test_state* test)
         slow.style.supersample = 24; // refinement is as slow as the first picture
         slow.budget_ms = 500.0;
         slow.view.eye.x += 0.01 * i;
-        uint64_t old = painter_request(p, &slow), number = old;
-        while ((picture = painter_take(p)) == NULL || picture->number != number) {
-            rest();
-        }
-        double slow_ms = picture->figures.frame_ms;
+        uint64_t old = painter_request(p, &slow);
+        double slow_ms = wait_for_any(p, old)->figures.frame_ms;
         sleep_ms((0.2 + 0.45 * i) * slow_ms);
         quick.view.eye.y += 0.01 * (i + 1);
         (void)painter_take(p);
-        number = painter_request(p, &quick);
+        uint64_t number = painter_request(p, &quick);
         bool refined = false; // after the request
         while ((picture = painter_take(p)) == NULL || picture->number != number) {
             refined |= picture != NULL && picture->number == old && picture->complete;
@@ -436,15 +442,15 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
     const painter_picture* picture = wait_for(p, painter_request(p, &request));
     CHECK(picture->gl && picture->texture != 0);
     const paint_figures* f = &picture->figures; // figures of this frame, although no file was read
-    CHECK(f->covered_pixels > 100 && f->draw_ms > 0.0 && f->shade_ms > 0.0);
-    CHECK(f->work_ms <= f->frame_ms);
-    CHECK(f->work_ms + 1e-9 >= fmin(f->frame_ms, f->draw_ms + f->shade_ms));
+    CHECK(f->cost.covered_pixels > 100 && f->draw_ms > 0.0 && f->shade_ms > 0.0);
+    CHECK(f->cost.milliseconds <= f->frame_ms);
+    CHECK(f->cost.milliseconds + 1e-9 >= fmin(f->frame_ms, f->draw_ms + f->shade_ms));
     CHECK(!painter_get_message(p, message, sizeof(message), &is_error));
     atomic_store(&is_lost, true);
     for (int i = 0; i < 2; ++i) { // from then on
         request.view.eye.x += 0.5;
         picture = wait_for(p, painter_request(p, &request));
-        CHECK(!picture->gl && picture->texture == 0 && picture->figures.covered_pixels > 100);
+        CHECK(!picture->gl && picture->texture == 0 && picture->figures.cost.covered_pixels > 100);
         CHECK(painter_get_message(p, message, sizeof(message), &is_error) == (i == 0));
     }
     CHECK(!is_error && strstr(message, "using the CPU renderer") != NULL);

@@ -3,6 +3,8 @@
 
 #include "base/core/clock.h"
 #include "program/viewer/model/painter_scene.h"
+#include "program/viewer/model/picture_memory.h"
+#include "program/viewer/model/refinement.h"
 
 #include <assert.h>
 #include <pthread.h>
@@ -15,11 +17,6 @@
 enum { BUFFERS = 3 };                // one is drawn, one is ready, one is shown
 static const double rest_ms = 120.0; // the camera is at rest after this time without a request
 static const double loading_ms = 30.0;
-static const double finest_ms = 6000.0; // no finer picture is started if it would take longer
-static const double whole_ms = 250.0;   // splats shrink in one step at rest if that takes no longer
-
-/// Progress of a request's picture.
-typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
 
 struct painter {
     painter_desc desc;
@@ -57,11 +54,8 @@ struct painter {
     double begun_ms;    ///< time of the request
     uint64_t answered;  ///< number of the last request with a picture
     double latency_ms;  ///< from the request to its first picture
-    paint_stage stage;
-    float size;         ///< splat size of the last frame
-    bool left_out;      ///< the last frame had fewer effects than the request, for lack of time
-    double expected_ms; ///< forecast for the next frame of the same request
-    bool loads;         ///< data missing in the last frame is being loaded
+    refinement refinement;
+    bool loads; ///< data missing in the last frame is being loaded
     double budget_ms;
     stp_controller controller;
 };
@@ -80,84 +74,10 @@ static void on_log(stp_log_level level, const char* message, void* user)
     p->desc.wake(p->desc.user);
 }
 
-/// Allocates a picture. @return false if memory runs out
-static bool fit_picture(painter_picture* picture, uint32_t width, uint32_t height)
+/// The budget of the current scene and renderer.
+static stp_budget* budget_of(painter* p)
 {
-    size_t needed = (size_t)width * height;
-    if (needed > picture->capacity) {
-        free(picture->image.pixels);
-        free(picture->nearness);
-        picture->capacity = 0;
-        picture->image.pixels = malloc(needed * 4);
-        picture->nearness = malloc(needed * sizeof(float));
-        if (picture->image.pixels == NULL || picture->nearness == NULL) {
-            return false;
-        }
-        picture->capacity = needed;
-    }
-    picture->image.width = width;
-    picture->image.height = height;
-    return true;
-}
-
-/// Splat size of the next frame at rest: the finest, or in steps while that would take long.
-static float choose_rest_size(const painter* p, float finest)
-{
-    float half = 0.5f * p->size;
-    double whole = stp_budget_predict(&p->scene->budgets[p->uses_gl], (double)finest);
-    return half > finest && whole > whole_ms ? half : finest;
-}
-
-/// Splat size of the next frame, by stage.
-static float choose_size(painter* p, const paint_request* request)
-{
-    float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
-    if (!(request->budget_ms > 0.0) || p->stage == STAGE_ACCUMULATES) {
-        return p->stage == STAGE_ACCUMULATES && request->budget_ms > 0.0 ? p->size : finest;
-    }
-    float moving = stp_budget_splat_size(&p->scene->budgets[p->uses_gl]);
-    moving = moving > finest ? moving : finest;
-    if (p->stage == STAGE_MOVES) {
-        return moving;
-    }
-    return choose_rest_size(p, finest);
-}
-
-/// Style of the next frame, by stage. Without a limit of its time, a moving picture has no layers.
-static stp_draw_style choose_style(const painter* p, const paint_request* request)
-{
-    const uint32_t layers = 1u << STP_EFFECT_LAYERS;
-    if (p->stage != STAGE_MOVES) {
-        return request->style;
-    }
-    uint32_t left_out =
-        request->budget_ms > 0.0 ? stp_budget_left_out(&p->scene->budgets[p->uses_gl]) : layers;
-    left_out &= p->scene->transparent ? ~0u : ~layers;
-    return stp_draw_style_without(&request->style, left_out);
-}
-
-/// The stage after a frame, and the forecast of its time. Samples are accumulated however long a
-/// frame takes: a machine that is busy for a moment, or a driver that compiles, must not decide
-/// what is seen at rest, and the next request stops it.
-static paint_stage next_stage(painter* p, const paint_request* request,
-                              const paint_figures* figures)
-{
-    p->expected_ms = figures->frame_ms;
-    float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
-    if (p->stage == STAGE_ACCUMULATES) {
-        return figures->samples >= request->samples * request->samples ? STAGE_DONE
-                                                                       : STAGE_ACCUMULATES;
-    }
-    if (request->budget_ms > 0.0 && p->size > finest) {
-        p->expected_ms =
-            stp_budget_predict(&p->scene->budgets[p->uses_gl], (double)choose_rest_size(p, finest));
-        return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
-    }
-    bool accumulates = request->samples > 1;
-    if (!accumulates && p->stage == STAGE_MOVES && p->left_out) {
-        return STAGE_RESTS; // draw once more, with all effects
-    }
-    return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
+    return &p->scene->budgets[p->uses_gl];
 }
 
 static void update_budget(painter* p, const paint_request* request, const paint_figures* f)
@@ -171,48 +91,25 @@ static void update_budget(painter* p, const paint_request* request, const paint_
         }
     }
     if (request->budget_ms > 0.0 && f != NULL) {
-        stp_frame_cost cost = {.milliseconds = f->work_ms,
-                               .splats = f->listed_splats,
-                               .fragments = f->fragments,
-                               .triangles = f->listed_triangles,
-                               .covered_pixels = f->covered_pixels,
-                               .draw_calls = (uint32_t)f->draw_calls,
-                               .splat_size = f->splat_size};
-        memcpy(cost.effect_ms, f->effect_ms, sizeof(cost.effect_ms));
-        stp_budget_update(&p->scene->budgets[p->uses_gl], &cost);
+        stp_budget_update(budget_of(p), &f->cost);
     }
 }
 
-static void copy_depth(painter* p, painter_picture* picture)
-{
-    const float* nearness = stp_renderer_depth(p->scene->renderers[p->uses_gl]);
-    size_t count = (size_t)picture->image.width * picture->image.height;
-    assert(count <= picture->capacity);
-    if (nearness != NULL) {
-        memcpy(picture->nearness, nearness, count * sizeof(float));
-    } else {
-        memset(picture->nearness, 0, count * sizeof(float));
-    }
-    size_t pixel = 0;
-    while (pixel < count && !(picture->nearness[pixel] > 0.0f)) {
-        pixel += 1;
-    }
-    picture->is_empty = nearness != NULL && pixel == count;
-}
-
-/// Adds OpenGL's timings of a finished frame to its figures. The budget learns from work_ms: CPU
-/// and GPU time.
+/// Adds OpenGL's timings of a finished frame to its figures. The budget learns CPU and GPU time.
 static void measure_gl(painter* p, const paint_request* request, paint_figures* figures)
 {
-    stp_draw_stats stats = {.layers = figures->layers};
+    const stp_frame_cost* sent = &figures->cost; // until commands were sent
+    stp_draw_stats stats = {.layers = figures->layers,
+                            .listed_splats = sent->splats,
+                            .listed_triangles = sent->triangles,
+                            .draw_calls = sent->draw_calls};
     stp_draw_gl_finish_stats(p->scene->renderers[1], &stats);
     figures->draw_ms = stats.draw_ms;
     figures->shade_ms = stats.shade_ms;
     figures->splats = stats.splats;
-    figures->fragments = stats.fragments;
-    figures->covered_pixels = stats.covered_pixels;
-    figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);
-    stp_draw_split_effects(&request->style, &stats, figures->work_ms, figures->effect_ms);
+    double own_ms = sent->milliseconds + stats.draw_ms + stats.shade_ms;
+    figures->cost = stp_draw_frame_cost(&request->style, &stats, sent->splat_size,
+                                        fmin(figures->frame_ms, own_ms));
 }
 
 /// Draws one frame; *texture receives its texture if OpenGL draws. The context may be lost in the
@@ -224,7 +121,7 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
     const stp_view* view = &request->view;
     double start = stp_clock_ms();
     *texture = 0;
-    if (!fit_picture(picture, view->width, view->height)) {
+    if (!picture_memory_fit(picture, view->width, view->height)) {
         on_log(STP_LOG_ERROR, "not enough memory for the picture", p);
         return false;
     }
@@ -258,7 +155,8 @@ static void paint(painter* p)
     paint_request request = p->request;
     painter_picture* picture = &p->pictures[p->painting];
     atomic_store(&p->stop, false);
-    p->refines = p->stage != STAGE_MOVES;
+    refinement* next = &p->refinement;
+    p->refines = next->stage != STAGE_MOVES;
     pthread_mutex_unlock(&p->mutex);
     bool ready = paint_scene_color(p->scene, &request.points);
     paint_figures figures = {0};
@@ -266,12 +164,12 @@ static void paint(painter* p)
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     update_budget(p, &request, NULL);
-    bool accumulates = p->stage == STAGE_ACCUMULATES;
-    float size = choose_size(p, &request);
+    bool accumulates = next->stage == STAGE_ACCUMULATES;
+    float size = refinement_size(next, &request, budget_of(p));
     uint32_t texture = 0;
     const stp_draw_style whole = request.style;
-    request.style = choose_style(p, &request);
-    p->left_out = !stp_draw_style_is_same(&whole, &request.style);
+    request.style = refinement_style(next, &request, budget_of(p), p->scene->transparent);
+    next->left_out = !stp_draw_style_is_same(&whole, &request.style);
     bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
     if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",
@@ -280,21 +178,21 @@ static void paint(painter* p)
         drawn = draw(p, &request, size, accumulates, &texture, &figures);
     }
     if (drawn) {
-        p->size = size;
+        next->size = size;
         if (!p->refines) { // the budget does not learn from refinement, which uses another splat
                            // size and which nobody waits for
             update_budget(p, &request, &figures);
         }
-        copy_depth(p, picture);
+        picture_memory_copy_depth(picture, stp_renderer_depth(p->scene->renderers[p->uses_gl]));
     }
     pthread_mutex_lock(&p->mutex);
     p->refines = false;
     if (!drawn) {
         // until the next request; an aborted refinement resumes with it
-        p->stage = atomic_load(&p->stop) ? STAGE_RESTS : STAGE_DONE;
+        next->stage = atomic_load(&p->stop) ? STAGE_RESTS : STAGE_DONE;
         return;
     }
-    p->stage = next_stage(p, &request, &figures);
+    refinement_advance(next, &request, budget_of(p), &figures);
     p->loads = figures.missing > 0;
     picture->view = request.view;
     picture->gl = p->uses_gl;
@@ -302,7 +200,7 @@ static void paint(painter* p)
     picture->scene = request.scene;
     picture->number = p->begun;
     picture->frame = ++p->frame;
-    picture->complete = p->stage == STAGE_DONE && figures.missing == 0;
+    picture->complete = next->stage == STAGE_DONE && figures.missing == 0;
     picture->near_distance = paint_near_distance(&request.view);
     if (p->answered != p->begun) {
         p->answered = p->begun;
@@ -393,9 +291,9 @@ static void work(painter* p)
     } else if (p->begun != p->number) {
         p->begun = p->number;
         p->begun_ms = p->request_ms;
-        p->stage = STAGE_MOVES;
+        p->refinement.stage = STAGE_MOVES;
         paint(p);
-    } else if (p->stage != STAGE_DONE) {
+    } else if (p->refinement.stage != STAGE_DONE) {
         double since = stp_clock_ms() - p->request_ms;
         if (since < rest_ms) {
             wait_for(p, rest_ms - since + 1.0);
@@ -404,7 +302,7 @@ static void work(painter* p)
         }
     } else if (p->loads) {
         wait_for(p, loading_ms);
-        p->stage = STAGE_RESTS;
+        p->refinement.stage = STAGE_RESTS;
     } else {
         pthread_cond_wait(&p->changed, &p->mutex);
     }
@@ -473,8 +371,7 @@ void painter_destroy(painter* p)
     }
     free(p->wanted_list.objects);
     for (int i = 0; i < BUFFERS; ++i) {
-        free(p->pictures[i].image.pixels);
-        free(p->pictures[i].nearness);
+        picture_memory_free(&p->pictures[i]);
     }
     pthread_mutex_destroy(&p->mutex);
     pthread_cond_destroy(&p->changed);

@@ -44,17 +44,14 @@ typedef struct paint_request {
 /// Figures of a picture.
 typedef struct paint_figures {
     double frame_ms, select_ms, draw_ms, shade_ms;
-    double effect_ms[STP_EFFECT_COUNT]; ///< as in stp_frame_cost
-    /// Part of frame_ms spent on this frame: excludes GPU work for others in between.
-    double work_ms;
-    float splat_size;
-    uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
-    uint64_t listed_splats, listed_triangles; ///< what was looked at to draw them
-    uint64_t live_bytes;                      ///< memory in use by the renderer's context
-    double latency_ms;                        ///< from the request to its first picture
-    uint32_t layers;                          ///< of transparent surfaces, at most in a pixel
-    uint32_t samples;                         ///< accumulated frames; 1: none were accumulated
-    uint32_t missing;                         ///< things wanted but not loaded, or not drawn yet
+    stp_frame_cost cost;        ///< its time excludes GPU work for other frames in between
+    uint64_t splats, triangles; ///< drawn; `cost` counts what was looked at to draw them
+    uint64_t nodes;
+    uint64_t live_bytes; ///< memory in use by the renderer's context
+    double latency_ms;   ///< from the request to its first picture
+    uint32_t layers;     ///< of transparent surfaces, at most in a pixel
+    uint32_t samples;    ///< accumulated frames; 1: none were accumulated
+    uint32_t missing;    ///< things wanted but not loaded, or not drawn yet
 } paint_figures;
 
 typedef struct painter_picture {

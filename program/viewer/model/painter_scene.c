@@ -173,14 +173,8 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     *figures = (paint_figures){.select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
                                .shade_ms = stats.shade_ms,
-                               .splat_size = s->list.splat_size,
                                .splats = stats.splats,
                                .triangles = stats.triangles,
-                               .listed_splats = stats.listed_splats,
-                               .listed_triangles = stats.listed_triangles,
-                               .fragments = stats.fragments,
-                               .covered_pixels = stats.covered_pixels,
-                               .draw_calls = stats.draw_calls,
                                .nodes = s->list.node_count,
                                .layers = stats.layers,
                                .samples = accumulates ? stats.samples : 1};
@@ -197,8 +191,9 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     if (gl && result == STP_OK) {
         figures->missing += stp_draw_gl_get_stats(s->renderers[1]).coming;
     }
-    figures->frame_ms = figures->work_ms = stp_clock_ms() - start;
-    stp_draw_split_effects(&request->style, &stats, figures->work_ms, figures->effect_ms);
+    figures->frame_ms = stp_clock_ms() - start;
+    figures->cost =
+        stp_draw_frame_cost(&request->style, &stats, s->list.splat_size, figures->frame_ms);
     figures->live_bytes = stp_context_live_bytes(s->context);
     return result;
 }

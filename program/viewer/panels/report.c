@@ -40,9 +40,9 @@ static json_t* describe_picture(const viewer* v)
         (double)a.x, (double)a.y, (double)a.width, (double)a.height, "width", (int)p->image.width,
         "height", (int)p->image.height, "complete", (int)p->complete, "samples",
         (int)p->figures.samples, "splats", (json_int_t)p->figures.splats, "listed_splats",
-        (json_int_t)p->figures.listed_splats, "triangles", (json_int_t)p->figures.triangles,
-        "splat_size", (double)p->figures.splat_size, "frame_ms", p->figures.frame_ms, "latency_ms",
-        p->figures.latency_ms, "frames", (json_int_t)p->frame);
+        (json_int_t)p->figures.cost.splats, "triangles", (json_int_t)p->figures.triangles,
+        "splat_size", (double)p->figures.cost.splat_size, "frame_ms", p->figures.frame_ms,
+        "latency_ms", p->figures.latency_ms, "frames", (json_int_t)p->frame);
 }
 
 static json_t* describe_tools(const viewer* v)

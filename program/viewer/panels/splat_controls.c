@@ -38,7 +38,7 @@ static uint32_t listed_splats(const viewer* v)
     uint32_t all = splats_all(v);
     assert(all > 0 && "callers offer a number only then");
     bool drawn = v->picture != NULL && v->picture->scene == v->scene->serial;
-    return splat_count_within(drawn ? v->picture->figures.listed_splats : all, all);
+    return splat_count_within(drawn ? v->picture->figures.cost.splats : all, all);
 }
 
 void splats_switch(viewer* v)

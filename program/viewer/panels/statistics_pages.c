@@ -85,9 +85,9 @@ void page_statistics(viewer* v)
     show_count("Splats", f->splats);
     show_count("Triangles", f->triangles);
     show_count("Nodes", f->nodes);
-    show_count("Draw calls", f->draw_calls);
+    show_count("Draw calls", f->cost.draw_calls);
     if (splats_count(v) == 0) {
-        gui_value("Splat size", "%.2f px", (double)f->splat_size);
+        gui_value("Splat size", "%.2f px", (double)f->cost.splat_size);
     }
     gui_value("Samples", "%u per pixel", f->samples);
     gui_separator();

@@ -160,11 +160,6 @@ typedef struct stp_cpu_blend {
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } stp_cpu_blend;
 
-/// Columns of a row.
-typedef struct cpu_layer_span {
-    uint32_t begin, end;
-} cpu_layer_span;
-
 /// Layers of transparent surfaces (layers.h).
 typedef struct stp_cpu_layers {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
@@ -180,13 +175,15 @@ typedef struct stp_cpu_layers {
     size_t capacity;
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
-    bool nearest_only;           ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
+    bool* marks;       ///< per worker and STP_LAYER_MARKED pixels: fragments of the current layer
+    size_t mark_count; ///< of each worker
+    bool nearest_only; ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
     atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
     uint32_t depth_of_opacity[256];
     float* light; ///< 4 per pixel: linear colour of the layers so far, and their transmittance
-    /// Per row of the last picture, whose size this is: columns whose pixels may differ from those
-    /// before the first layer
-    cpu_layer_span* touched;
+    /// Per tile of the last picture, whose size this is, row by row: whether its pixels may differ
+    /// from those before the first layer
+    bool* touched;
     size_t touched_capacity;
     uint32_t width, height;
     uint8_t* alive; ///< per task: whether it may still have visible fragments
@@ -289,10 +286,12 @@ const stp_cpu_item* stp_cpu_item_of_task(const stp_cpu_renderer* r, uint32_t tas
 /// Depth bounds of fragments in the current layer, for a worker.
 static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp_cpu_worker* worker)
 {
+    size_t index = (size_t)(worker - r->workers);
     return (stp_raster_layer){.nearer = r->layers.nearer,
                               .farther = r->layers.farther,
                               .splats_below = r->layers.splats_below,
                               .found = &worker->layer_found,
+                              .marks = r->layers.marks + index * r->layers.mark_count,
                               .tests_all = r->layers.nearest_only};
 }
 

@@ -12,11 +12,32 @@ bool stp_cpu_wants_layers(const stp_cpu_renderer* r, const stp_draw_style* style
     return r->layers.possible && style->transparency != STP_TRANSPARENCY_PATTERN;
 }
 
+static size_t tiles_of(uint32_t pixels, uint32_t size)
+{
+    return ((size_t)pixels + size - 1) / size;
+}
+
+/// Whether the layers touch the tile of a pixel.
+static bool* touched_at(const stp_cpu_renderer* r, size_t x, size_t y)
+{
+    assert(x < r->width && y < r->height);
+    return &r->layers.touched[y / SHADE_ROWS * tiles_of(r->width, SHADE_WIDTH) + x / SHADE_WIDTH];
+}
+
+static size_t count_tiles(const stp_cpu_renderer* r)
+{
+    return tiles_of(r->width, SHADE_WIDTH) * tiles_of(r->height, SHADE_ROWS);
+}
+
 static void touch_all(stp_cpu_renderer* r)
 {
-    for (uint32_t y = 0; y < r->height; ++y) {
-        r->layers.touched[y] = (cpu_layer_span){0, r->width};
-    }
+    memset(r->layers.touched, true, count_tiles(r) * sizeof(bool));
+}
+
+/// Column after the last one of the tile that begins at a column.
+static size_t end_of_tile(const stp_cpu_renderer* r, size_t x)
+{
+    return x + SHADE_WIDTH < r->width ? x + SHADE_WIDTH : r->width;
 }
 
 static bool make_room(stp_cpu_renderer* r)
@@ -24,7 +45,7 @@ static bool make_room(stp_cpu_renderer* r)
     stp_cpu_layers* l = &r->layers;
     stp_context* context = r->base.context;
     size_t needed = (size_t)r->width * r->height;
-    if (!STP_MAKE_ROOM(context, l->touched, l->touched_capacity, r->height)) {
+    if (!STP_MAKE_ROOM(context, l->touched, l->touched_capacity, count_tiles(r))) {
         return false;
     }
     if (l->width != r->width || l->height != r->height) {
@@ -40,8 +61,10 @@ static bool make_room(stp_cpu_renderer* r)
         l->splats_below = STP_NEW_ARRAY(context, float, needed);
         l->light = STP_NEW_ARRAY(context, float, 4 * needed);
         l->optical_depths = STP_NEW_ARRAY(context, atomic_uint, needed);
+        l->mark_count = needed / STP_LAYER_MARKED + 1;
+        l->marks = STP_NEW_ARRAY(context, bool, r->team.threads * l->mark_count);
         if (l->nearer == NULL || l->farther == NULL || l->splats_below == NULL ||
-            l->light == NULL || l->optical_depths == NULL) {
+            l->light == NULL || l->optical_depths == NULL || l->marks == NULL) {
             stp_cpu_destroy_layers(r);
             return false;
         }
@@ -70,45 +93,59 @@ void stp_cpu_begin_layers(stp_cpu_renderer* r)
     }
 }
 
-/// Prepares the touched part of a row for its first layer.
-static void clear_row(stp_cpu_renderer* r, size_t y)
+/// Prepares pixels for their first layer.
+static void clear_pixels(stp_cpu_layers* l, size_t begin, size_t count)
 {
-    stp_cpu_layers* l = &r->layers;
-    cpu_layer_span span = l->touched[y];
-    l->touched[y] = (cpu_layer_span){r->width, 0};
-    for (size_t at = y * r->width + span.begin; at < y * r->width + span.end; ++at) {
-        l->nearer[at] = 0;
+    memset(l->nearer + begin, 0, count * sizeof(*l->nearer));
+    for (size_t at = begin; at < begin + count; ++at) {
         l->splats_below[at] = FLT_MAX;
-        l->light[4 * at] = l->light[4 * at + 1] = l->light[4 * at + 2] = 0.0f;
-        l->light[4 * at + 3] = 1.0f;
         atomic_store_explicit(&l->optical_depths[at], 0, memory_order_relaxed);
     }
+    for (size_t at = begin; at < begin + count; ++at) {
+        l->light[4 * at] = l->light[4 * at + 1] = l->light[4 * at + 2] = 0.0f;
+        l->light[4 * at + 3] = 1.0f;
+    }
 }
 
-static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
+/// Prepares the touched tiles of whole rows of tiles.
+static void clear_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_cpu_renderer* r = user;
-    stp_cpu_layers* l = &r->layers;
     (void)worker;
-    for (size_t at = begin * r->width; at < end * r->width; ++at) {
-        l->farther[at] = STP_RASTER_EMPTY;
-    }
-    for (uint32_t k = 0; k < r->team.threads; ++k) {
-        const uint64_t* pixels = r->workers[k].pixels;
-        for (size_t at = begin * r->width; at < end * r->width && r->workers[k].drew; ++at) {
-            l->farther[at] = pixels[at] < l->farther[at] ? pixels[at] : l->farther[at];
-        }
-    }
+    assert(begin % SHADE_ROWS == 0);
     for (size_t y = begin; y < end; ++y) {
-        clear_row(r, y);
+        for (size_t x = 0; x < r->width; x += SHADE_WIDTH) {
+            bool* touched = touched_at(r, x, y);
+            if (*touched) {
+                clear_pixels(&r->layers, y * r->width + x, end_of_tile(r, x) - x);
+            }
+            *touched = *touched && (y + 1) % SHADE_ROWS != 0 && y + 1 < end;
+        }
     }
 }
 
-void stp_cpu_keep_opaque(stp_cpu_renderer* r)
+/// Forgets where the last layer has fragments.
+static void clear_marks(stp_cpu_renderer* r)
 {
-    assert(r->layers.stage == CPU_LAYERS_OPAQUE);
-    assert(r->layers.capacity >= (size_t)r->width * r->height);
-    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, keep_rows, r);
+    memset(r->layers.marks, 0, r->team.threads * r->layers.mark_count * sizeof(bool));
+}
+
+bool stp_cpu_has_layer(const stp_cpu_renderer* r, const stp_cpu_shade_tile* tile)
+{
+    const stp_cpu_layers* l = &r->layers;
+    assert(l->stage == CPU_LAYERS_PEEL && tile->width > 0);
+    bool any = false;
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        size_t at = (size_t)(tile->y + row) * r->width + tile->x;
+        size_t first = at / STP_LAYER_MARKED, last = (at + tile->width - 1) / STP_LAYER_MARKED;
+        for (uint32_t k = 0; k < r->team.threads; ++k) {
+            const bool* marks = l->marks + k * l->mark_count;
+            for (size_t i = first; i <= last; ++i) {
+                any = any || marks[i];
+            }
+        }
+    }
+    return any;
 }
 
 /// Whether an item may have transparent parts.
@@ -203,14 +240,10 @@ void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_c
     const stp_cpu_shade_lanes* lanes = &memory->lanes;
     assert(l->stage == CPU_LAYERS_PEEL && lanes->wants_linear &&
            "layers are composited in linear light");
+    *touched_at(r, tile->x, tile->y) = true;
     for (uint32_t row = 0; row < tile->height; ++row) {
         const stp_cpu_shade_merged* merged = &tile->rows[row];
         size_t first = (size_t)(tile->y + row) * r->width + tile->x;
-        if (tile->row_runs[row] < tile->row_runs[row + 1]) {
-            cpu_layer_span* span = &l->touched[tile->y + row];
-            span->begin = tile->x < span->begin ? tile->x : span->begin;
-            span->end = tile->x + tile->width > span->end ? tile->x + tile->width : span->end;
-        }
         for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
             const stp_cpu_shade_run* run = &tile->runs[i];
             if (run->surface == SHADE_EMPTY) {
@@ -251,12 +284,11 @@ static uint64_t count_pixels(stp_cpu_renderer* r)
     return pixels;
 }
 
-/// Composites the layers over a row of the picture. @return pixels that were empty before
-static uint64_t compose_row(stp_cpu_renderer* r, size_t y)
+/// Composites the layers over pixels of the picture. @return those that were empty before
+static uint64_t compose_pixels(stp_cpu_renderer* r, size_t begin, size_t end)
 {
     uint64_t covered = 0;
-    cpu_layer_span span = r->layers.touched[y];
-    for (size_t at = y * r->width + span.begin; at < y * r->width + span.end; ++at) {
+    for (size_t at = begin; at < end; ++at) {
         const float* light = r->layers.light + 4 * at;
         uint8_t* out = r->image->pixels + 4 * at;
         if (light[3] >= 1.0f) {
@@ -282,7 +314,12 @@ static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_cpu_renderer* r = user;
     for (size_t y = begin; y < end; ++y) {
-        r->workers[worker].covered += compose_row(r, y);
+        for (size_t x = 0; x < r->width; x += SHADE_WIDTH) {
+            if (*touched_at(r, x, y)) {
+                size_t row = y * r->width;
+                r->workers[worker].covered += compose_pixels(r, row + x, row + end_of_tile(r, x));
+            }
+        }
     }
 }
 
@@ -295,8 +332,10 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
     count_pixels(r);
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, clear_rows, r);
     uint32_t most = l->nearest_only ? 1 : STP_LAYERS_MAX;
     for (l->count = 0; any && l->count < most && result == STP_OK; ++l->count) {
+        clear_marks(r);
         size_t grain = r->task_count / ((size_t)r->team.threads * 64);
         stp_team_run(&r->team, r->task_count, grain > 0 ? grain : 1, draw_tasks, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -329,6 +368,9 @@ void stp_cpu_destroy_layers(stp_cpu_renderer* r)
     stp_free(context, l->splats_below);
     stp_free(context, l->light);
     stp_free(context, l->optical_depths);
+    stp_free(context, l->marks);
+    l->marks = NULL;
+    l->mark_count = 0;
     l->optical_depths = NULL;
     l->nearer = l->farther = NULL;
     l->splats_below = l->light = NULL;

@@ -21,14 +21,14 @@ bool stp_cpu_wants_layers(const stp_cpu_renderer* r, const stp_draw_style* style
 /// Allocates layers, before anything is drawn. Without enough memory, logs a warning once and draws
 /// no layers.
 void stp_cpu_begin_layers(stp_cpu_renderer* r);
-/// Saves the opaque visibility. Call before shading the opaque picture, which clears the buffers.
-void stp_cpu_keep_opaque(stp_cpu_renderer* r);
-/// Call after shading the opaque picture: draws all layers over the picture of the current eye,
-/// whose items are placed.
+/// Call after shading the opaque picture, which saves its visibility: draws all layers over the
+/// picture of the current eye, whose items are placed.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged), or STP_ERROR_CANCELLED
 STP_MUST_USE stp_result stp_cpu_draw_layers(stp_cpu_renderer* r);
 void stp_cpu_destroy_layers(stp_cpu_renderer* r);
 
+/// Whether the current layer has fragments in a tile; in others, all buffers are empty.
+bool stp_cpu_has_layer(const stp_cpu_renderer* r, const stp_cpu_shade_tile* tile);
 /// Composites a shaded tile of a layer.
 void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker,
                         const stp_cpu_shade_tile* tile);

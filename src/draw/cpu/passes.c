@@ -145,9 +145,6 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
         return result;
     }
     bool layered = r->layers.stage != CPU_LAYERS_NONE;
-    if (layered) {
-        stp_cpu_keep_opaque(r);
-    }
     stp_cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
     result = stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;

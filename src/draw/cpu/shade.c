@@ -72,10 +72,16 @@ stp_cpu_shade_scene stp_cpu_make_shade_scene(const stp_cpu_renderer* r)
 
 static void merge_tile(const shader* s, stp_cpu_shade_tile* tile)
 {
+    const stp_cpu_layers* layers = &s->r->layers;
     uint64_t any = 0;
+    if (layers->stage == CPU_LAYERS_PEEL && !stp_cpu_has_layer(s->r, tile)) {
+        tile->any = false;
+        return;
+    }
     for (uint32_t row = 0; row < tile->height; ++row) {
         size_t at = (size_t)(tile->y + row) * s->r->width + tile->x;
-        s->kernels->merge(s->buffers, s->buffer_count, at, tile->width, &tile->rows[row]);
+        uint64_t* copy = layers->stage == CPU_LAYERS_OPAQUE ? layers->farther + at : NULL;
+        s->kernels->merge(s->buffers, s->buffer_count, at, tile->width, copy, &tile->rows[row]);
         any |= tile->rows[row].there;
     }
     tile->any = any != 0;

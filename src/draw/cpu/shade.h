@@ -105,9 +105,10 @@ stp_cpu_shade_material stp_cpu_make_shade_material(float metallic, float roughne
                                                    const float emissive[3], bool unlit);
 
 typedef struct stp_cpu_shade_kernels {
-    /// Takes the minimum of `count` buffers at `at` and clears them there.
+    /// Takes the minimum of `count` buffers at `at` and clears them there. `copy`, unless NULL,
+    /// receives it.
     void (*merge)(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
-                  stp_cpu_shade_merged* row);
+                  uint64_t* copy, stp_cpu_shade_merged* row);
     void (*light)(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surface* surfaces,
                   stp_cpu_shade_lanes* lanes);
     /// Writes colours and true nearness of runs, up to SHADE_LANES_MAX - 1 pixels past the end.

@@ -234,7 +234,7 @@ static inline void merge_one(uint64_t* restrict from, uint32_t size, uint64_t* r
 }
 
 static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
-                      stp_cpu_shade_merged* restrict row)
+                      uint64_t* copy, stp_cpu_shade_merged* restrict row)
 {
     assert(size > 0 && size <= SHADE_WIDTH);
     uint64_t pixels[SHADE_WIDTH];
@@ -247,6 +247,9 @@ static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint3
         } else {
             merge_one(buffers[k] + at, size, pixels);
         }
+    }
+    if (copy != NULL) {
+        memcpy(copy, pixels, size * sizeof(*copy));
     }
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
         uint32_t bits = ~(uint32_t)(pixels[i] >> 32); // 0 if empty

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// How the pictures of a request become finer, at made-up times.
+#include "tests.h"
+
+#include "program/viewer/model/refinement.h"
+
+static const paint_request asked = {
+    .style = {.ambient_occlusion = 0.05f}, .budget_ms = 33.0, .samples = 1};
+
+/// A frame of a scene whose detail takes so many milliseconds at size 1, with occlusion where the
+/// style has it.
+static stp_frame_cost draw(const stp_draw_style* style, float size, double detail_ms,
+                           double occlusion_ms)
+{
+    double finer = 1.0 / ((double)size * (double)size);
+    stp_frame_cost cost = {.milliseconds = 1.0 + detail_ms * finer,
+                           .splats = (uint64_t)(1e5 * detail_ms * finer),
+                           .covered_pixels = 500000,
+                           .draw_calls = 100,
+                           .splat_size = size};
+    if (style->ambient_occlusion > 0.0f) {
+        cost.effect_ms[STP_EFFECT_OCCLUSION] = occlusion_ms;
+        cost.milliseconds += occlusion_ms;
+    }
+    return cost;
+}
+
+/// Moves for some frames. @return the refinement after the last one
+static refinement move(stp_budget* budget, double detail_ms, double occlusion_ms)
+{
+    refinement r = {0};
+    stp_budget_init(budget, STP_CONTROLLER_PREDICT, asked.budget_ms);
+    for (int i = 0; i < 100; ++i) {
+        r.stage = STAGE_MOVES;
+        r.size = refinement_size(&r, &asked, budget);
+        stp_draw_style style = refinement_style(&r, &asked, budget, true);
+        r.left_out = !stp_draw_style_is_same(&style, &asked.style);
+        stp_frame_cost cost = draw(&style, r.size, detail_ms, occlusion_ms);
+        stp_budget_update(budget, &cost);
+    }
+    refinement_advance(&r, &asked, budget, &(paint_figures){.samples = 1});
+    return r;
+}
+
+void test_refinement_takes_effects_back_in_the_first_frame_at_rest(test_state* test)
+{
+    stp_budget budget;
+    refinement r = move(&budget, 120.0, 20.0);
+    CHECK(r.left_out && r.size > 1.5f);
+    CHECK_EQUAL(STAGE_RESTS, r.stage);
+    stp_draw_style style = refinement_style(&r, &asked, &budget, true);
+    CHECK(stp_draw_style_is_same(&style, &asked.style));
+    CHECK(refinement_size(&r, &asked, &budget) == 1.0f); // 141 ms are short enough
+}
+
+/// Effects count in the forecast of a frame at rest: with them, one step to the finest splats would
+/// take too long.
+void test_refinement_knows_what_effects_take_at_rest(test_state* test)
+{
+    stp_budget budget;
+    refinement r = move(&budget, 150.0, 400.0);
+    CHECK(r.left_out && r.size > 2.0f);
+    CHECK(stp_budget_predict(&budget, 1.0) < 240.0);
+    CHECK(refinement_size(&r, &asked, &budget) == 0.5f * r.size);
+    r = move(&budget, 150.0, 8000.0); // no finer picture is started
+    CHECK_EQUAL(STAGE_DONE, r.stage);
+}
+
+/// Without a limit of its time, a picture in motion has the nearest layer of transparent surfaces.
+void test_refinement_without_a_budget_draws_one_layer_in_motion(test_state* test)
+{
+    paint_request request = asked;
+    const stp_budget budget = {0}; // unused
+    refinement r = {0};
+    request.budget_ms = 0.0;
+    stp_draw_style style = refinement_style(&r, &request, &budget, true);
+    CHECK_EQUAL(STP_TRANSPARENCY_NEAREST, style.transparency);
+    CHECK(style.ambient_occlusion > 0.0f && refinement_size(&r, &request, &budget) == 1.0f);
+    style = refinement_style(&r, &request, &budget, false);
+    CHECK_EQUAL(STP_TRANSPARENCY_LAYERS, style.transparency);
+    r.left_out = true;
+    refinement_advance(&r, &request, &budget, &(paint_figures){.samples = 1});
+    CHECK_EQUAL(STAGE_RESTS, r.stage);
+}
