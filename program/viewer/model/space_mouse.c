@@ -2,6 +2,7 @@
 #include "program/viewer/model/space_mouse.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -107,6 +108,7 @@ static void* run(void* user)
         return NULL;
     }
     int socket = spnav_fd();
+    (void)fcntl(socket, F_SETFD, FD_CLOEXEC); // not for the processes that read foreign formats
     pthread_mutex_lock(&m->mutex);
     bool quits = m->quits;
     m->socket = socket;
