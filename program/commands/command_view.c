@@ -172,7 +172,7 @@ const command command_view = {
         "its triangles appear as soon as they are read, its splats as soon as they are made.\n\n"
         "While the camera moves, the splat size follows the frame-time limit; at rest, the "
         "picture is refined to full quality. Press H for keys and mouse; docs/viewer.md explains "
-        "all panels.\n\n"
+        "all panels. A gamepad and, through spacenavd, a SpaceMouse move the camera too.\n\n"
         "Settings are kept in $XDG_CONFIG_HOME/stipple/viewer.json (or ~/.config/stipple).\n\n"
         "Without a display, use stipple render for pictures and stipple fly for films.",
     .examples = "Open a file or a model:\n"
@@ -187,7 +187,9 @@ const command command_view = {
              "is not set\n"
              "FILE.views.json\tviewpoints saved beside the model\n"
              "$XDG_CACHE_HOME/stipple\tcache of built models; ~/.cache/stipple if the variable "
-             "is not set\n",
+             "is not set\n"
+             "$SPNAV_SOCKET\tsocket of spacenavd, for a SpaceMouse; /var/run/spnav.sock if the "
+             "variable is not set\n",
     .options = options,
     .run = run,
 };

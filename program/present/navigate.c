@@ -124,15 +124,20 @@ bool stp_navigator_project(const stp_navigator* n, stp_vec3d point, double* x, d
     return before;
 }
 
+void stp_navigator_orbit_by(stp_navigator* n, double right, double down, double clockwise)
+{
+    stp_navigator_axes axes = stp_navigator_get_axes(n);
+    stp_vec3d offset = along(&axes, stp_subd(n->eye, n->pivot));
+    stp_navigator_turn(n, right, down);
+    n->roll = remainder(n->roll - clockwise, 2.0 * STP_PI);
+    axes = stp_navigator_get_axes(n);
+    n->eye = stp_addd(n->pivot, across(&axes, offset));
+}
+
 void stp_navigator_orbit(stp_navigator* n, double dx, double dy)
 {
     double angle = STP_PI / (double)n->height;
-    stp_navigator_axes axes = stp_navigator_get_axes(n);
-    stp_vec3d offset = along(&axes, stp_subd(n->eye, n->pivot));
-    n->azimuth = remainder(n->azimuth - dx * angle, 2.0 * STP_PI);
-    n->elevation = stp_clampd(n->elevation + dy * angle, -quarter, quarter);
-    axes = stp_navigator_get_axes(n);
-    n->eye = stp_addd(n->pivot, across(&axes, offset));
+    stp_navigator_orbit_by(n, dx * angle, dy * angle, 0.0);
 }
 
 void stp_navigator_begin_orbit(stp_navigator* n, const stp_vec3d* seen)

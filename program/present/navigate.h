@@ -51,6 +51,8 @@ bool stp_navigator_project(const stp_navigator* n, stp_vec3d point, double* x, d
 /// Orbits around the pivot, which keeps its place in the picture. Takes the pointer's movement in
 /// pixels; the picture's height is half a turn.
 void stp_navigator_orbit(stp_navigator* n, double dx, double dy);
+/// The same by angles: the content turns right, down and clockwise. Radians.
+void stp_navigator_orbit_by(stp_navigator* n, double right, double down, double clockwise);
 /// Chooses the centre of an orbit that begins at a surface point (NULL: there is none). A pivot
 /// stays if it is in the picture and the user chose it or it has a similar depth. Otherwise it
 /// becomes the surface point, or without one, if it is outside, the point in the middle of the
@@ -91,6 +93,23 @@ void stp_navigator_switch_projection(stp_navigator* n);
 
 /// Interpolates between two cameras, `part` 0..1.
 stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* to, double part);
+
+// A device with six axes (a SpaceMouse), of which the hand moves a cap.
+
+/// Deflections of the cap from rest; 1 is far, and a higher sensitivity gives more. Axes point
+/// right, up and forward, away from the hand.
+typedef struct stp_six_axes {
+    double moves[3];
+    double turns[3]; ///< about these axes: pitch, front up (the cap leans back); yaw, to the left;
+                     ///< roll, clockwise (the cap leans right)
+} stp_six_axes;
+
+/// The cap is the camera: it flies (stp_navigator_fly) and turns in place, for some time. A roll
+/// counts only if it is the largest deflection, so that a hand does not tilt the horizon by
+/// accident.
+void stp_navigator_fly_six(stp_navigator* n, const stp_six_axes* axes, double seconds);
+/// The cap is the content: it moves, and turns about the pivot. A roll counts as above.
+void stp_navigator_hold_six(stp_navigator* n, const stp_six_axes* axes, double seconds);
 
 // Dragging a plane along its normal with the pointer.
 

@@ -21,6 +21,7 @@ void test_viewer_settings_are_kept(test_state* test)
     s.point_metres = 0.125f;
     s.drawing.style.eye_dome = 0.0f;
     s.guides = false;
+    s.space_mouse_flies = true;
     s.drawing.quality.splat_count = 4294967294u;
     char* text = viewer_settings_print(&s);
     CHECK(text != NULL);
@@ -28,7 +29,8 @@ void test_viewer_settings_are_kept(test_state* test)
     CHECK(again.budget_ms == 12.5f && again.page == PAGE_MEASURE && !again.adapts && again.fovea);
     CHECK(again.drawing.style.background_color[1] == 64 && again.samples == 7 &&
           again.backend == BACKEND_OPENGL);
-    CHECK(again.unit == UNIT_FT && again.point_scale == 2.5f && !again.guides);
+    CHECK(again.unit == UNIT_FT && again.point_scale == 2.5f && !again.guides &&
+          again.space_mouse_flies);
     CHECK(again.drawing.quality.splat_count == 4294967294u &&
           viewer_settings_default().drawing.quality.splat_count == 0);
     CHECK(again.drawing.style.point_sizing == STP_POINTS_UNITS && again.point_metres == 0.125f);

@@ -43,6 +43,7 @@ static const field fields[] = {
     {"guides", FIELD_BOOL, PLACE(guides), 0, 0},
     {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
     {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
+    {"space_mouse_flies", FIELD_BOOL, PLACE(space_mouse_flies), 0, 0},
     {"shot_width", FIELD_INT, PLACE(shot_width), 16, 16384},
     {"shot_height", FIELD_INT, PLACE(shot_height), 16, 16384},
     {"shot_samples", FIELD_INT, PLACE(shot_samples), 1, 8},

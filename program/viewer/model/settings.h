@@ -43,6 +43,7 @@ typedef struct viewer_settings {
     bool guides;                      ///< view cube and scale bar
     bool fovea;
     float fovea_factor;
+    bool space_mouse_flies; ///< it moves the camera, not the model
     int shot_width, shot_height, shot_samples;
 } viewer_settings;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Input: mouse, keys and gamepad control the camera and trigger commands.
+// Input: mouse, keys, gamepad and SpaceMouse control the camera and trigger commands.
 #include "program/viewer/model/gamepad.h"
 #include "program/viewer/panels/panels.h"
 #include "program/viewer/window/gui.h"
@@ -430,6 +430,7 @@ void input_step(viewer* v, double seconds)
         moves[2] = (double)(held[SDL_SCANCODE_W] - held[SDL_SCANCODE_S]);
     }
     bool turns = step_pad(v, moves, seconds);
+    bool pushed = space_mouse_step(v, seconds);
     bool flies = moves[0] != 0.0 || moves[1] != 0.0 || moves[2] != 0.0;
     if (flies && v->has_camera) {
         v->glide_start = -1.0;
@@ -438,15 +439,17 @@ void input_step(viewer* v, double seconds)
     if (flies != v->input.flies) {
         viewer_redraw(v);
     }
-    v->input.flies = (flies || turns) && v->has_camera;
+    v->input.flies = ((flies || turns) && v->has_camera) || pushed;
 }
 
-void input_begin(void)
+void input_begin(viewer* v)
 {
     gamepad_begin();
+    v->input.space_mouse = space_mouse_open(viewer_wake, v);
 }
 
 void input_destroy(viewer* v)
 {
     gamepad_end(&v->input.pad);
+    space_mouse_close(v->input.space_mouse);
 }

@@ -37,6 +37,10 @@ static const shortcut mouse_shortcuts[] = {
     {"Middle drag", "pan; Shift and left drag too"}, {"Right drag", "look around"},
     {"Wheel", "zoom to the cursor; flying: speed"},
 };
+static const shortcut space_mouse_shortcuts[] = {
+    {"SpaceMouse", "moves the model or the camera"},
+    {"its buttons", "fit and level; model or camera"},
+};
 static const shortcut key_shortcuts[] = {
     {"W A S D, Q E", "fly; Q down, E up; Shift: faster"},
     {"F / Home", "fit the selected part / everything"},
@@ -317,6 +321,10 @@ static void show_help(viewer* v)
     gui_dialog_begin("help", a.x + 0.5f * a.width, a.y + 0.5f * a.height, 460.0f * v->window.scale);
     gui_text("Mouse");
     show_shortcuts(mouse_shortcuts, sizeof(mouse_shortcuts) / sizeof(mouse_shortcuts[0]));
+    if (space_mouse_is_connected(v->input.space_mouse)) {
+        show_shortcuts(space_mouse_shortcuts,
+                       sizeof(space_mouse_shortcuts) / sizeof(space_mouse_shortcuts[0]));
+    }
     gui_space();
     gui_text("Keys");
     show_shortcuts(key_shortcuts, sizeof(key_shortcuts) / sizeof(key_shortcuts[0]));

@@ -59,7 +59,7 @@ static json_t* describe_tools(const viewer* v)
     }
     stp_sections sections = section_make(v);
     return json_pack(
-        "{s:[I, I], s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}",
+        "{s:[I, I], s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b, s:b}",
         "tinted", (json_int_t)v->selection.mask.visible, (json_int_t)v->selection.mask.hidden,
         "chosen", describe_json_text(chosen), "place", describe_json_text(place), "search",
         describe_json_text(v->search), "rows", e != NULL ? (int)e->row_count : 0, "found",
@@ -67,7 +67,7 @@ static json_t* describe_tools(const viewer* v)
         "section_planes", (int)sections.count, "measures", (int)v->measure.on, "points", points,
         "views", (int)v->views.count, "current_view", describe_json_text(v->current_view),
         "records", (int)v->record.on, "shot", describe_json_text(v->last_shot), "types",
-        (int)gui_wants_keys());
+        (int)gui_wants_keys(), "space_mouse", (int)space_mouse_is_connected(v->input.space_mouse));
 }
 
 /// View cube and scale bar: clickable positions of the sides, and length of the bar.

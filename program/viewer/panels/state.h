@@ -12,6 +12,7 @@
 #include "program/viewer/model/paint_thread.h"
 #include "program/viewer/model/part_mask.h"
 #include "program/viewer/model/path_list.h"
+#include "program/viewer/model/space_mouse.h"
 #include "program/viewer/panels/viewer.h"
 #include "program/viewer/window/window.h"
 
@@ -90,7 +91,9 @@ typedef struct input_state {
     bool moved;       ///< a drag, not a click
     double pan_depth; ///< depth of the dragged point
     SDL_GameController* pad;
-    bool flies; ///< keys or sticks move the camera
+    space_mouse* space_mouse; ///< NULL: built without support
+    bool pushed;              ///< the SpaceMouse moves the camera
+    bool flies;               ///< keys, sticks or the SpaceMouse move the camera
 } input_state;
 
 /// A rectangle of the window, in pixels.
@@ -253,11 +256,15 @@ void framing_step(viewer* v);
 
 // input.c
 void input_take(viewer* v, const SDL_Event* event);
-/// Moves the camera by held keys and sticks.
+/// Moves the camera by held keys, sticks and the SpaceMouse.
 void input_step(viewer* v, double seconds);
-/// Starts gamepad support.
-void input_begin(void);
+/// Starts support of gamepads and of a SpaceMouse.
+void input_begin(viewer* v);
 void input_destroy(viewer* v);
+
+// space_mouse_step.c
+/// Handles what the SpaceMouse has sent. @return whether it moves the camera
+bool space_mouse_step(viewer* v, double seconds);
 
 // panels.c
 /// The area that the panels leave for the picture.

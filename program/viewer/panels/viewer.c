@@ -449,7 +449,7 @@ int viewer_run(const viewer_options* options)
     } else if (options->file_count > 0) {
         viewer_open_all(v, options->files, options->file_count);
     }
-    input_begin();
+    input_begin(v);
     if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
         viewer_show_message(v, false, "OpenGL 4.5 is not available; using the CPU renderer");
     }
