@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+// Cells in planes, eight neighbours or sixteen directions at a time: compiled for CPUs with vectors
+// of 16 and 32 bytes. Each lane is a neighbour or a direction of its own, and a cell is the same in
+// any order of cuts, so all variants give the same bits.
+#pragma once
+
+#include "lod/blue/growths_kernels.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+enum { DIRECTIONS = STP_GROWTH_DIRECTIONS, LANES = STP_GROWTH_LANES };
+
+#define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
+#define BETWEEN 1.05f  // corners of a cell may lie between two directions
+#define ONE_SIDED 1.3f // how much farther a cell may reach than on its opposite side
+
+typedef float lanes_float __attribute__((vector_size(4 * LANES)));
+typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
+
+static const lanes_float cosines[2] = {
+    {1.0f, 0.92387953f, 0.70710678f, 0.38268343f, 0.0f, -0.38268343f, -0.70710678f, -0.92387953f},
+    {-1.0f, -0.92387953f, -0.70710678f, -0.38268343f, 0.0f, 0.38268343f, 0.70710678f, 0.92387953f}};
+static const lanes_float sines[2] = {
+    {0.0f, 0.38268343f, 0.70710678f, 0.92387953f, 1.0f, 0.92387953f, 0.70710678f, 0.38268343f},
+    {0.0f, -0.38268343f, -0.70710678f, -0.92387953f, -1.0f, -0.92387953f, -0.70710678f,
+     -0.38268343f}};
+
+// Vectors are passed by address: without AVX2, compilers do not agree how to pass them by value.
+
+/// Sets `to` to the larger values.
+static inline void raise(lanes_float* to, const lanes_float* values)
+{
+#if defined(__AVX2__)
+    *to = (lanes_float)_mm256_max_ps((__m256)*to, (__m256)*values);
+#else
+    lanes_int kept = (lanes_int)(*to > *values);
+    *to = (lanes_float)(((lanes_int)*to & kept) | ((lanes_int)*values & ~kept));
+#endif
+}
+
+/// The lanes that are -1, as bits.
+static inline uint32_t bits_of(const lanes_int* set)
+{
+#if defined(__AVX2__)
+    return (uint32_t)_mm256_movemask_ps((__m256)*set);
+#else
+    const lanes_int places = {1, 2, 4, 8, 16, 32, 64, 128};
+    lanes_int bits = *set & places;
+    int32_t parts[LANES];
+    memcpy(parts, &bits, sizeof(parts));
+    int32_t sum = 0;
+    for (int k = 0; k < LANES; ++k) {
+        sum |= parts[k];
+    }
+    return (uint32_t)sum;
+#endif
+}
+
+/// The least of all directions.
+static inline float least_of(const lanes_float values[2])
+{
+#if defined(__AVX2__)
+    __m256 eight = _mm256_min_ps((__m256)values[0], (__m256)values[1]);
+    __m128 four = _mm_min_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps(eight, 1));
+    __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+#else
+    float all[DIRECTIONS], eight[LANES], four[4];
+    memcpy(all, values, sizeof(all));
+    for (int k = 0; k < LANES; ++k) {
+        eight[k] = stp_min(all[k], all[k + LANES]);
+    }
+    for (int k = 0; k < 4; ++k) {
+        four[k] = stp_min(eight[k], eight[k + 4]);
+    }
+    return stp_min(stp_min(four[0], four[1]), stp_min(four[2], four[3]));
+#endif
+}
+
+/// Offsets from a point to eight others.
+static inline void load_offsets(const stp_around* around, uint32_t at, const stp_vec3* point,
+                                lanes_float offsets[3])
+{
+    memcpy(&offsets[0], around->x + at, sizeof(offsets[0]));
+    memcpy(&offsets[1], around->y + at, sizeof(offsets[1]));
+    memcpy(&offsets[2], around->z + at, sizeof(offsets[2]));
+    offsets[0] -= point->x;
+    offsets[1] -= point->y;
+    offsets[2] -= point->z;
+}
+
+/// Places of points in the plane of a cell.
+typedef struct plane_places {
+    _Alignas(32) float u[STP_AROUND_MAX];
+    _Alignas(32) float v[STP_AROUND_MAX];
+    _Alignas(32) float square[STP_AROUND_MAX]; ///< of the distance; INFINITY: does not cut
+} plane_places;
+
+/// Projects points into the plane of a cell. @return the steep ones
+static uint32_t project(const stp_around* around, const stp_plane_cell* cell, float steep_within,
+                        plane_places* places)
+{
+    stp_vec3 point = cell->point, across = cell->across, along = cell->along, n = cell->normal;
+    const lanes_float far = {INFINITY, INFINITY, INFINITY, INFINITY,
+                             INFINITY, INFINITY, INFINITY, INFINITY};
+    lanes_int steep = {0};
+    for (uint32_t i = 0; i < around->count; i += LANES) {
+        lanes_float d[3];
+        load_offsets(around, i, &point, d);
+        lanes_float u = d[0] * across.x + d[1] * across.y + d[2] * across.z;
+        lanes_float v = d[0] * along.x + d[1] * along.y + d[2] * along.z;
+        lanes_float h = d[0] * n.x + d[1] * n.y + d[2] * n.z;
+        lanes_float square = u * u + v * v, climb = h * h;
+        lanes_int near = (lanes_int)(climb <= STEEP * STEEP * square) & (lanes_int)(square > 0.0f);
+        steep -= (lanes_int)(climb > STEEP * STEEP * square) &
+                 (lanes_int)(square + climb < steep_within);
+        square = (lanes_float)(((lanes_int)square & near) | ((lanes_int)far & ~near));
+        memcpy(places->u + i, &u, sizeof(u));
+        memcpy(places->v + i, &v, sizeof(v));
+        memcpy(places->square + i, &square, sizeof(square));
+    }
+    uint32_t sum = 0;
+    for (int k = 0; k < LANES; ++k) {
+        sum += (uint32_t)steep[k];
+    }
+    return sum;
+}
+
+/// Cuts a cell by the points whose squared distances are in [from, to).
+static void cut_band(const plane_places* places, uint32_t count, float from, float to,
+                     stp_plane_cell* cell)
+{
+    lanes_float nearness[2];
+    memcpy(nearness, cell->nearness, sizeof(nearness));
+    for (uint32_t i = 0; i < count; i += LANES) {
+        lanes_float square;
+        memcpy(&square, places->square + i, sizeof(square));
+        lanes_int near = (lanes_int)(square >= from) & (lanes_int)(square < to);
+        for (uint32_t bits = bits_of(&near); bits != 0; bits &= bits - 1) {
+            uint32_t at = i + (uint32_t)__builtin_ctz(bits);
+            float scale = 2.0f / places->square[at];
+            float a = places->u[at] * scale, b = places->v[at] * scale;
+            lanes_float first = a * cosines[0] + b * sines[0];
+            lanes_float second = a * cosines[1] + b * sines[1];
+            raise(&nearness[0], &first);
+            raise(&nearness[1], &second);
+        }
+    }
+    memcpy(cell->nearness, nearness, sizeof(nearness));
+    cell->least = stp_max(least_of(nearness), 0.0f);
+    cell->beyond = cell->least > 0.0f ? 4.0f / (cell->least * cell->least) : INFINITY;
+}
+
+static void cut(const stp_around* around, float from, float to, float steep_within,
+                stp_plane_cell* cell)
+{
+    enum { BANDS = 4 };
+    assert(around->count % LANES == 0 && around->count <= STP_AROUND_MAX);
+    plane_places places;
+    cell->steep += project(around, cell, steep_within, &places);
+    for (int band = 0; band < BANDS && from < cell->beyond; ++band) {
+        to = band + 1 < BANDS ? stp_min(to, cell->beyond) : cell->beyond;
+        cut_band(&places, around->count, from, to, cell);
+        from = to;
+        to *= 4.0f;
+    }
+}
+
+static float reach(const stp_cell_limits* limits, const stp_plane_cell* cell)
+{
+    float ring[2 * DIRECTIONS], reaches[DIRECTIONS];
+    lanes_float lowered[2];
+    memcpy(ring, cell->nearness, sizeof(cell->nearness));
+    memcpy(ring + DIRECTIONS, cell->nearness, sizeof(cell->nearness));
+    const float *own = ring + DIRECTIONS / 2, *opposite = ring + DIRECTIONS;
+    stp_cell_limits l = *limits;
+#pragma GCC unroll 1
+    for (int k = 0; k < DIRECTIONS; ++k) { // compiled to vectors, unless it is unrolled first
+        float beside = stp_min(own[k - 1], own[k + 1]);
+        float distance = BETWEEN / own[k], other = ONE_SIDED / opposite[k];
+        float limit = stp_min(own[k], beside) >= l.closed ? l.hole : l.plain;
+        distance = own[k] > 0.0f ? distance : INFINITY;
+        other = opposite[k] > 0.0f ? other : 0.0f;
+        limit = stp_min(stp_max(limit, other), l.most);
+        reaches[k] = -stp_min(distance, limit);
+    }
+    memcpy(lowered, reaches, sizeof(lowered));
+    return -least_of(lowered);
+}
