@@ -16,11 +16,12 @@ enum {
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
     OUTSTANDING = 2, ///< how far a growth may be above the median around it
+    ENOUGH = 3,      ///< so many points of a cell tell a median
     GRAIN = 1024     ///< buckets
 };
 
 #define FINE_CELL 2.5f    // side of a cell, in spacings
-#define FIRST 0.3f        // neighbours within so many sides of a cell cut first
+#define FIRST 0.6f        // neighbours within so many sides of a cell cut first
 #define STEEP_WITHIN 0.8f // where steep neighbours count, in sides of a cell
 #define CLOSED 3.0f       // a cell that reaches less far there is closed, in covered distances
 #define HOLE 2.0f         // how far it then counts
@@ -201,42 +202,63 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-/// The points of some cells by growth: `counts` has those with a growth of at most each index.
-static void count_growths(const surroundings* s, const uint8_t* found, uint32_t counts[STP_GROWTHS])
+/// How many points have a growth of at most each index.
+typedef struct growth_counts {
+    uint32_t at_most[STP_GROWTHS];
+} growth_counts;
+
+static growth_counts count_growths(const uint8_t* found, const uint32_t* begins,
+                                   const uint32_t* ends, uint32_t ranges)
 {
-    memset(counts, 0, STP_GROWTHS * sizeof(counts[0]));
-    for (uint32_t r = 0; r < s->count; ++r) {
-        for (uint32_t at = s->begins[r]; at < s->ends[r]; ++at) {
-            counts[found[at]] += 1;
+    growth_counts c = {{0}};
+    for (uint32_t r = 0; r < ranges; ++r) {
+        for (uint32_t at = begins[r]; at < ends[r]; ++at) {
+            c.at_most[found[at]] += 1;
         }
     }
     for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
-        counts[k] += counts[k - 1];
+        c.at_most[k] += c.at_most[k - 1];
     }
+    return c;
+}
+
+/// The largest growth up to a given one that is at most OUTSTANDING above the median of the others.
+static uint32_t limit_growth(uint32_t growth, const growth_counts* c)
+{
+    while (growth > STP_GROWTH_PLAIN &&
+           2 * c->at_most[growth - OUTSTANDING - 1] + 1 >= c->at_most[STP_GROWTHS - 1]) {
+        growth -= 1;
+    }
+    return growth;
 }
 
 /// Limits growths that are far above those around them, of points in the air, whose neighbours in
-/// the plane are not of their surface: to OUTSTANDING above the median of the other points in 27
-/// cells, and to STP_GROWTH_PLAIN in any case.
+/// the plane are not of their surface: those of the same cell, or in 27 cells if these are few.
 static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const gap_search* s = user;
     const stp_grid* grid = &s->grids[0];
-    uint32_t counts[STP_GROWTHS] = {0};
     surroundings around;
+    growth_counts own = {{0}}, wide = {{0}}; // of the cell, and of those around
     begin_surroundings(&around, grid, FINE_POINTS);
-    for (uint32_t at = grid->starts[begin]; at < grid->starts[end]; ++at) {
-        uint32_t growth = s->found[at];
-        if (growth > STP_GROWTH_PLAIN &&
-            move_to(&around, (stp_vec3){grid->x[at], grid->y[at], grid->z[at]})) {
-            count_growths(&around, s->found, counts);
+    for (size_t bucket = begin; bucket < end; ++bucket) {
+        uint32_t first = grid->starts[bucket], last = grid->starts[bucket + 1];
+        bool enough = last - first >= ENOUGH;
+        if (enough) {
+            own = count_growths(s->found, &first, &last, 1);
         }
-        while (growth > STP_GROWTH_PLAIN &&
-               2 * counts[growth - OUTSTANDING - 1] + 1 >= counts[STP_GROWTHS - 1]) {
-            growth -= 1;
+        for (uint32_t at = first; at < last; ++at) {
+            uint32_t growth = s->found[at];
+            if (!enough && growth > STP_GROWTH_PLAIN &&
+                move_to(&around, (stp_vec3){grid->x[at], grid->y[at], grid->z[at]})) {
+                wide = count_growths(s->found, around.begins, around.ends, around.count);
+            }
+            if (growth > STP_GROWTH_PLAIN) {
+                growth = limit_growth(growth, enough ? &own : &wide);
+            }
+            s->growths[grid->index[at]] = (uint8_t)growth;
         }
-        s->growths[grid->index[at]] = (uint8_t)growth;
     }
 }
 
