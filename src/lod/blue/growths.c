@@ -16,7 +16,6 @@ enum {
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
     OUTSTANDING = 2, ///< how far a growth may be above the median around it
-    ENOUGH = 3,      ///< so many points of a cell tell a median
     GRAIN = 1024     ///< buckets
 };
 
@@ -65,78 +64,64 @@ typedef struct surroundings {
     uint32_t limit;  ///< points of a bucket that count
     int32_t cell[3]; ///< the middle one
     bool known;      ///< whether there is one
-    uint32_t count;
-    uint32_t begins[27], ends[27]; ///< ranges of points
-    stp_around around;             ///< the same points
+    stp_around around;
 } surroundings;
 
-static void add_range(surroundings* s, uint32_t begin, uint32_t end)
+/// Copies points of a grid to the end of a list, in whole vectors.
+static void copy_points(const stp_grid* grid, uint32_t begin, uint32_t end, stp_around* to)
 {
-    assert(s->count < 27);
-    s->begins[s->count] = begin;
-    s->ends[s->count] = end;
-    s->count += begin != end ? 1 : 0;
+    assert(begin <= end && to->count + (end - begin) + STP_GROWTH_LANES <= STP_AROUND_MAX);
+    const float *x = grid->x, *y = grid->y, *z = grid->z;
+    uint32_t next = to->count;
+    for (uint32_t at = begin; at < end; at += STP_GROWTH_LANES, next += STP_GROWTH_LANES) {
+        memcpy(to->x + next, x + at, STP_GROWTH_LANES * sizeof(float));
+        memcpy(to->y + next, y + at, STP_GROWTH_LANES * sizeof(float));
+        memcpy(to->z + next, z + at, STP_GROWTH_LANES * sizeof(float));
+    }
+    to->count += end - begin;
 }
 
-/// Adds the first points of each of consecutive buckets.
-static inline void add_buckets(surroundings* s, uint32_t bucket, uint32_t count)
+/// Copies the first points of each of consecutive buckets.
+static void copy_buckets(surroundings* s, uint32_t bucket, uint32_t count)
 {
     const uint32_t* starts = s->grid->starts + bucket;
     if (starts[count] - starts[0] <= s->limit) { // mostly
-        add_range(s, starts[0], starts[count]);
+        copy_points(s->grid, starts[0], starts[count], &s->around);
         return;
     }
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t points = starts[i + 1] - starts[i];
-        add_range(s, starts[i], starts[i] + (points < s->limit ? points : s->limit));
+        points = points < s->limit ? points : s->limit;
+        copy_points(s->grid, starts[i], starts[i] + points, &s->around);
     }
 }
 
-/// Moves to the 27 cells around a place. Cells of a row that are of one block are consecutive
-/// buckets. @return whether they are others than before
-static bool move_to(surroundings* s, stp_vec3 place)
+/// Lists the points of the 27 cells around a place. Cells of a row that are of one block are
+/// consecutive buckets.
+static void list_around(surroundings* s, stp_vec3 place)
 {
     const stp_grid* grid = s->grid;
     int32_t x = stp_grid_cell(grid, place.x), y = stp_grid_cell(grid, place.y),
             z = stp_grid_cell(grid, place.z);
     if (s->known && s->cell[0] == x && s->cell[1] == y && s->cell[2] == z) {
-        return false; // mostly
+        return; // mostly
     }
     s->known = true;
     s->cell[0] = x, s->cell[1] = y, s->cell[2] = z;
-    s->count = 0;
+    stp_around* to = &s->around;
+    to->count = 0;
     int32_t split = ((x - 1) | 3) + 1; // where the next block begins
     uint32_t first = split > x + 1 ? 3 : (uint32_t)(split - (x - 1));
     for (int i = 0; i < 9; ++i) {
         int32_t row = y + i % 3 - 1, layer = z + i / 3 - 1;
-        add_buckets(s, stp_grid_bucket(grid, x - 1, row, layer), first);
+        copy_buckets(s, stp_grid_bucket(grid, x - 1, row, layer), first);
         if (first < 3) {
-            add_buckets(s, stp_grid_bucket(grid, split, row, layer), 3 - first);
+            copy_buckets(s, stp_grid_bucket(grid, split, row, layer), 3 - first);
         }
     }
-    return true;
-}
-
-/// Copies the points around, in whole vectors.
-static void copy_points(surroundings* s)
-{
-    const float *x = s->grid->x, *y = s->grid->y, *z = s->grid->z;
-    stp_around* to = &s->around;
-    uint32_t next = 0;
-    for (uint32_t r = 0; r < s->count; ++r) {
-        uint32_t begin = s->begins[r], count = s->ends[r] - begin;
-        assert(next + count + STP_GROWTH_LANES <= STP_AROUND_MAX);
-        for (uint32_t i = 0; i < count; i += STP_GROWTH_LANES) {
-            memcpy(to->x + next + i, x + begin + i, STP_GROWTH_LANES * sizeof(float));
-            memcpy(to->y + next + i, y + begin + i, STP_GROWTH_LANES * sizeof(float));
-            memcpy(to->z + next + i, z + begin + i, STP_GROWTH_LANES * sizeof(float));
-        }
-        next += count;
+    for (; to->count % STP_GROWTH_LANES != 0; ++to->count) {
+        to->x[to->count] = to->y[to->count] = to->z[to->count] = INFINITY;
     }
-    for (; next % STP_GROWTH_LANES != 0; ++next) {
-        to->x[next] = to->y[next] = to->z[next] = INFINITY;
-    }
-    to->count = next;
 }
 
 static void begin_surroundings(surroundings* s, const stp_grid* grid, uint32_t limit)
@@ -172,9 +157,7 @@ static void find_cell(const gap_search* s, surroundings levels[LEVELS], stp_plan
     float seen = 0.0f; // flat neighbours up to here have cut, squared
     for (int i = 0; i < LEVELS; ++i) {
         surroundings* level = &levels[i];
-        if (move_to(level, cell->point)) {
-            copy_points(level);
-        }
+        list_around(level, cell->point);
         float side = level->grid->cell, first = i == 0 ? FIRST * side : side;
         float steep = i == 0 ? STEEP_WITHIN * side : 0.0f;
         s->kernels->cut(&level->around, seen, first * first, steep * steep, cell);
@@ -202,60 +185,28 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-/// How many points have a growth of at most each index.
-typedef struct growth_counts {
-    uint32_t at_most[STP_GROWTHS];
-} growth_counts;
-
-static growth_counts count_growths(const uint8_t* found, const uint32_t* begins,
-                                   const uint32_t* ends, uint32_t ranges)
-{
-    growth_counts c = {{0}};
-    for (uint32_t r = 0; r < ranges; ++r) {
-        for (uint32_t at = begins[r]; at < ends[r]; ++at) {
-            c.at_most[found[at]] += 1;
-        }
-    }
-    for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
-        c.at_most[k] += c.at_most[k - 1];
-    }
-    return c;
-}
-
-/// The largest growth up to a given one that is at most OUTSTANDING above the median of the others.
-static uint32_t limit_growth(uint32_t growth, const growth_counts* c)
-{
-    while (growth > STP_GROWTH_PLAIN &&
-           2 * c->at_most[growth - OUTSTANDING - 1] + 1 >= c->at_most[STP_GROWTHS - 1]) {
-        growth -= 1;
-    }
-    return growth;
-}
-
 /// Limits growths that are far above those around them, of points in the air, whose neighbours in
-/// the plane are not of their surface: those of the same cell, or in 27 cells if these are few.
+/// the plane are not of their surface: to OUTSTANDING above the median of the other points of their
+/// bucket, and to STP_GROWTH_PLAIN in any case.
 static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const gap_search* s = user;
     const stp_grid* grid = &s->grids[0];
-    surroundings around;
-    growth_counts own = {{0}}, wide = {{0}}; // of the cell, and of those around
-    begin_surroundings(&around, grid, FINE_POINTS);
     for (size_t bucket = begin; bucket < end; ++bucket) {
         uint32_t first = grid->starts[bucket], last = grid->starts[bucket + 1];
-        bool enough = last - first >= ENOUGH;
-        if (enough) {
-            own = count_growths(s->found, &first, &last, 1);
+        uint32_t at_most[STP_GROWTHS] = {0}; // points with a growth of at most each index
+        for (uint32_t at = first; at < last; ++at) {
+            at_most[s->found[at]] += 1;
+        }
+        for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
+            at_most[k] += at_most[k - 1];
         }
         for (uint32_t at = first; at < last; ++at) {
             uint32_t growth = s->found[at];
-            if (!enough && growth > STP_GROWTH_PLAIN &&
-                move_to(&around, (stp_vec3){grid->x[at], grid->y[at], grid->z[at]})) {
-                wide = count_growths(s->found, around.begins, around.ends, around.count);
-            }
-            if (growth > STP_GROWTH_PLAIN) {
-                growth = limit_growth(growth, enough ? &own : &wide);
+            while (growth > STP_GROWTH_PLAIN &&
+                   2 * at_most[growth - OUTSTANDING - 1] >= last - first - 1) {
+                growth -= 1;
             }
             s->growths[grid->index[at]] = (uint8_t)growth;
         }
