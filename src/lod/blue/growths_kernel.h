@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Cells in planes, eight neighbours or sixteen directions at a time: compiled for CPUs with vectors
-// of 16 and 32 bytes. Each lane is a neighbour or a direction of its own, and a cell is the same in
-// any order of cuts, so all variants give the same bits.
+// Cells in planes, several neighbours or directions at a time: compiled for CPUs with vectors of 16
+// and 32 bytes. Each lane is a neighbour or a direction of its own, and a cell is the same in any
+// order of cuts, so all variants give the same bits.
 #pragma once
 
 #include "lod/blue/growths_kernels.h"
@@ -9,11 +9,18 @@
 #include <assert.h>
 #include <math.h>
 #include <string.h>
-#if defined(__AVX2__)
+#if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
-enum { DIRECTIONS = STP_GROWTH_DIRECTIONS, LANES = STP_GROWTH_LANES };
+#if defined(__AVX2__)
+enum { LANES = 8 };
+#else
+enum { LANES = 4 };
+#endif
+enum { DIRECTIONS = STP_GROWTH_DIRECTIONS, PARTS = DIRECTIONS / LANES };
+
+_Static_assert(STP_GROWTH_LANES % LANES == 0, "lists are read in whole vectors");
 
 #define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
 #define BETWEEN 1.05f  // corners of a cell may lie between two directions
@@ -22,13 +29,13 @@ enum { DIRECTIONS = STP_GROWTH_DIRECTIONS, LANES = STP_GROWTH_LANES };
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
 
-static const lanes_float cosines[2] = {
-    {1.0f, 0.92387953f, 0.70710678f, 0.38268343f, 0.0f, -0.38268343f, -0.70710678f, -0.92387953f},
-    {-1.0f, -0.92387953f, -0.70710678f, -0.38268343f, 0.0f, 0.38268343f, 0.70710678f, 0.92387953f}};
-static const lanes_float sines[2] = {
-    {0.0f, 0.38268343f, 0.70710678f, 0.92387953f, 1.0f, 0.92387953f, 0.70710678f, 0.38268343f},
-    {0.0f, -0.38268343f, -0.70710678f, -0.92387953f, -1.0f, -0.92387953f, -0.70710678f,
-     -0.38268343f}};
+static const float cosines[DIRECTIONS] = {
+    1.0f,  0.92387953f,  0.70710678f,  0.38268343f,  0.0f, -0.38268343f, -0.70710678f, -0.92387953f,
+    -1.0f, -0.92387953f, -0.70710678f, -0.38268343f, 0.0f, 0.38268343f,  0.70710678f,  0.92387953f};
+static const float sines[DIRECTIONS] = {0.0f,  0.38268343f,  0.70710678f,  0.92387953f,
+                                        1.0f,  0.92387953f,  0.70710678f,  0.38268343f,
+                                        0.0f,  -0.38268343f, -0.70710678f, -0.92387953f,
+                                        -1.0f, -0.92387953f, -0.70710678f, -0.38268343f};
 
 // Vectors are passed by address: without AVX2, compilers do not agree how to pass them by value.
 
@@ -37,6 +44,8 @@ static inline void raise(lanes_float* to, const lanes_float* values)
 {
 #if defined(__AVX2__)
     *to = (lanes_float)_mm256_max_ps((__m256)*to, (__m256)*values);
+#elif defined(__x86_64__)
+    *to = (lanes_float)_mm_max_ps((__m128)*to, (__m128)*values);
 #else
     lanes_int kept = (lanes_int)(*to > *values);
     *to = (lanes_float)(((lanes_int)*to & kept) | ((lanes_int)*values & ~kept));
@@ -48,41 +57,31 @@ static inline uint32_t bits_of(const lanes_int* set)
 {
 #if defined(__AVX2__)
     return (uint32_t)_mm256_movemask_ps((__m256)*set);
+#elif defined(__x86_64__)
+    return (uint32_t)_mm_movemask_ps((__m128)*set);
 #else
-    const lanes_int places = {1, 2, 4, 8, 16, 32, 64, 128};
-    lanes_int bits = *set & places;
-    int32_t parts[LANES];
-    memcpy(parts, &bits, sizeof(parts));
-    int32_t sum = 0;
+    uint32_t bits = 0;
     for (int k = 0; k < LANES; ++k) {
-        sum |= parts[k];
+        bits |= (uint32_t)((*set)[k] & 1 << k);
     }
-    return (uint32_t)sum;
+    return bits;
 #endif
 }
 
 /// The least of all directions.
-static inline float least_of(const lanes_float values[2])
+static inline float least_of(const float values[DIRECTIONS])
 {
-#if defined(__AVX2__)
-    __m256 eight = _mm256_min_ps((__m256)values[0], (__m256)values[1]);
-    __m128 four = _mm_min_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps(eight, 1));
-    __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
-    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
-#else
-    float all[DIRECTIONS], eight[LANES], four[4];
-    memcpy(all, values, sizeof(all));
-    for (int k = 0; k < LANES; ++k) {
-        eight[k] = stp_min(all[k], all[k + LANES]);
+    float eight[8], four[4];
+    for (int k = 0; k < 8; ++k) {
+        eight[k] = stp_min(values[k], values[k + 8]);
     }
     for (int k = 0; k < 4; ++k) {
         four[k] = stp_min(eight[k], eight[k + 4]);
     }
     return stp_min(stp_min(four[0], four[1]), stp_min(four[2], four[3]));
-#endif
 }
 
-/// Offsets from a point to eight others.
+/// Offsets from a point to others.
 static inline void load_offsets(const stp_around* around, uint32_t at, const stp_vec3* point,
                                 lanes_float offsets[3])
 {
@@ -106,8 +105,7 @@ static uint32_t project(const stp_around* around, const stp_plane_cell* cell, fl
                         plane_places* places)
 {
     stp_vec3 point = cell->point, across = cell->across, along = cell->along, n = cell->normal;
-    const lanes_float far = {INFINITY, INFINITY, INFINITY, INFINITY,
-                             INFINITY, INFINITY, INFINITY, INFINITY};
+    const lanes_float far = (lanes_float){0} + INFINITY;
     lanes_int steep = {0};
     for (uint32_t i = 0; i < around->count; i += LANES) {
         lanes_float d[3];
@@ -135,8 +133,10 @@ static uint32_t project(const stp_around* around, const stp_plane_cell* cell, fl
 static void cut_band(const plane_places* places, uint32_t count, float from, float to,
                      stp_plane_cell* cell)
 {
-    lanes_float nearness[2];
+    lanes_float nearness[PARTS], cosine[PARTS], sine[PARTS];
     memcpy(nearness, cell->nearness, sizeof(nearness));
+    memcpy(cosine, cosines, sizeof(cosine));
+    memcpy(sine, sines, sizeof(sine));
     for (uint32_t i = 0; i < count; i += LANES) {
         lanes_float square;
         memcpy(&square, places->square + i, sizeof(square));
@@ -145,14 +145,14 @@ static void cut_band(const plane_places* places, uint32_t count, float from, flo
             uint32_t at = i + (uint32_t)__builtin_ctz(bits);
             float scale = 2.0f / places->square[at];
             float a = places->u[at] * scale, b = places->v[at] * scale;
-            lanes_float first = a * cosines[0] + b * sines[0];
-            lanes_float second = a * cosines[1] + b * sines[1];
-            raise(&nearness[0], &first);
-            raise(&nearness[1], &second);
+            for (int k = 0; k < PARTS; ++k) {
+                lanes_float own = a * cosine[k] + b * sine[k];
+                raise(&nearness[k], &own);
+            }
         }
     }
     memcpy(cell->nearness, nearness, sizeof(nearness));
-    cell->least = stp_max(least_of(nearness), 0.0f);
+    cell->least = stp_max(least_of(cell->nearness), 0.0f);
     cell->beyond = cell->least > 0.0f ? 4.0f / (cell->least * cell->least) : INFINITY;
 }
 
@@ -174,7 +174,6 @@ static void cut(const stp_around* around, float from, float to, float steep_with
 static float reach(const stp_cell_limits* limits, const stp_plane_cell* cell)
 {
     float ring[2 * DIRECTIONS], reaches[DIRECTIONS];
-    lanes_float lowered[2];
     memcpy(ring, cell->nearness, sizeof(cell->nearness));
     memcpy(ring + DIRECTIONS, cell->nearness, sizeof(cell->nearness));
     const float *own = ring + DIRECTIONS / 2, *opposite = ring + DIRECTIONS;
@@ -189,6 +188,5 @@ static float reach(const stp_cell_limits* limits, const stp_plane_cell* cell)
         limit = stp_min(stp_max(limit, other), l.most);
         reaches[k] = -stp_min(distance, limit);
     }
-    memcpy(lowered, reaches, sizeof(lowered));
-    return -least_of(lowered);
+    return -least_of(reaches);
 }
