@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: MIT
 // Searches among neighbours. Points are on a lattice, so that many distances are equal.
 #include "lab/kernels/kernel_cases.h"
+#include "lod/blue/growths_kernels.h"
 #include "lod/grid.h"
 #include "lod/neighbours_kernels.h"
 #include "lod/point_normals_kernels.h"
 
 #include <string.h>
 
-enum { POINTS = 1 << 14, SURFELS = 96, DISKS = 512, DISK_SAMPLES = 256, PLACES = 512 };
+enum {
+    POINTS = 1 << 14,
+    SURFELS = 96,
+    DISKS = 512,
+    DISK_SAMPLES = 256,
+    PLACES = 512,
+    AROUND = 128
+};
 enum { COLUMN = POINTS + 2 * STP_GRID_LANES };
 
 typedef struct lod_input {
     stp_grid grid;
     stp_stencil stencil;
     stp_near_points near;
+    stp_around around;
     float x[COLUMN], y[COLUMN], z[COLUMN], nx[COLUMN], ny[COLUMN], nz[COLUMN];
     uint32_t index[COLUMN];
     float sums[PLACES][STP_NORMAL_SUMS];
@@ -180,4 +189,33 @@ void kernel_run_planes(kernel_case* c)
 {
     const lod_input* in = c->input;
     stp_normal_kernels_select()->project(in->sums, PLACES, c->output);
+}
+
+bool kernel_make_growths(kernel_case* c)
+{
+    lod_input* in = make_points(c);
+    if (in == NULL) {
+        return false;
+    }
+    in->around.count = AROUND;
+    memcpy(in->around.x, in->x, AROUND * sizeof(float));
+    memcpy(in->around.y, in->y, AROUND * sizeof(float));
+    memcpy(in->around.z, in->z, AROUND * sizeof(float));
+    return kernel_set_output(c, PLACES * sizeof(float), (uint64_t)PLACES * AROUND);
+}
+
+void kernel_run_growths(kernel_case* c)
+{
+    const lod_input* in = c->input;
+    const stp_growth_kernels* kernels_here = stp_growth_kernels_select();
+    const stp_cell_limits limits = {.plain = 0.2f, .closed = 1.5f, .hole = 0.4f, .most = 1.0f};
+    for (uint32_t i = 0; i < PLACES; ++i) {
+        stp_plane_cell cell = {.point = {in->x[i], in->y[i], in->z[i]},
+                               .normal = {0.0f, 0.0f, 1.0f},
+                               .across = {0.8f, 0.6f, 0.0f},
+                               .along = {-0.6f, 0.8f, 0.0f},
+                               .beyond = INFINITY};
+        kernels_here->cut(&in->around, 0.0f, 0.1f, 0.1f, &cell);
+        ((float*)c->output)[i] = kernels_here->reach(&limits, &cell);
+    }
 }

@@ -58,6 +58,8 @@ bool kernel_make_sums(kernel_case* c);
 void kernel_run_sums(kernel_case* c);
 bool kernel_make_planes(kernel_case* c);
 void kernel_run_planes(kernel_case* c);
+bool kernel_make_growths(kernel_case* c);
+void kernel_run_growths(kernel_case* c);
 
 // cases_order.c
 bool kernel_make_cells(kernel_case* c);

@@ -18,6 +18,7 @@ const kernel kernels[] = {
     {"neighbours-squared", "src/lod/neighbours", AVX2, "pair", kernel_make_squared, NULL, kernel_run_squared, NULL},
     {"normals-sum", "src/lod/point_normals", AVX2, "pair", kernel_make_sums, NULL, kernel_run_sums, NULL},
     {"normals-project", "src/lod/point_normals", AVX2, "matrix", kernel_make_planes, NULL, kernel_run_planes, NULL},
+    {"growths-cut", "src/lod/blue/growths", AVX2, "pair", kernel_make_growths, NULL, kernel_run_growths, NULL},
     {"curve-cells", "src/order/curve", AVX512, "point", kernel_make_cells, NULL, kernel_run_cells, NULL},
     {"curve-places", "src/order/curve", AVX512, "point", kernel_make_places, NULL, kernel_run_places, NULL},
     {"tree-fit", "src/order/tree", AVX512, "point", kernel_make_fit, NULL, kernel_run_fit, kernel_destroy_tree},

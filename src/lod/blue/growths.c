@@ -1,42 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/growths.h"
 
-#include "base/math/math.h"
+#include "base/core/processor.h"
+#include "lod/blue/growths_kernels.h"
 #include "lod/grid.h"
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 enum {
-    DIRECTIONS = 16,
-    FINE_POINTS = 8,    ///< points of a bucket that are compared: the first of the order
-    COARSE_POINTS = 24, ///< the same for wide gaps
+    LEVELS = 3,         ///< grids, each with cells twice as wide
+    FINE_POINTS = 24,   ///< points of a bucket that are compared: the first of the order
+    COARSE_POINTS = 32, ///< the same for wide gaps
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
     OUTSTANDING = 2, ///< how far a growth may be above the median around it
-    GRAIN = 512
+    GRAIN = 1024     ///< buckets
 };
 
-#define FINE_CELL 1.5f   // side of a cell, in spacings
-#define COARSE_CELL 8.0f // the same for wide gaps
-#define ONE_SIDED 1.3f   // how much farther a cell may reach than on its opposite side
-#define CLOSED 3.0f      // a cell that reaches less far there is closed, in covered distances
-#define HOLE 2.0f        // how far it then counts
-#define BETWEEN 1.05f    // corners of a cell may lie between two directions
-#define TOLERANCE 1.06f  // radii that are this much too small are good enough
-#define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
+#define FINE_CELL 2.5f    // side of a cell, in spacings
+#define FIRST 0.6f        // neighbours within so many sides of a cell cut first
+#define STEEP_WITHIN 0.8f // where steep neighbours count, in sides of a cell
+#define CLOSED 3.0f       // a cell that reaches less far there is closed, in covered distances
+#define HOLE 2.0f         // how far it then counts
+#define TOLERANCE 1.06f   // radii that are this much too small are good enough
+
+_Static_assert(27 * COARSE_POINTS + STP_GROWTH_LANES <= STP_AROUND_MAX, "neighbours fit");
 
 static const float factors[STP_GROWTHS] = {0.125f,    0.176777f, 0.25f,     0.353553f, 0.5f,
                                            0.707107f, 1.0f,      1.414214f, 2.0f,      2.828427f,
                                            4.0f,      5.656854f, 8.0f};
-
-static const float cosines[DIRECTIONS] = {
-    1.0f,  0.92387953f,  0.70710678f,  0.38268343f,  0.0f, -0.38268343f, -0.70710678f, -0.92387953f,
-    -1.0f, -0.92387953f, -0.70710678f, -0.38268343f, 0.0f, 0.38268343f,  0.70710678f,  0.92387953f};
-static const float sines[DIRECTIONS] = {0.0f,  0.38268343f,  0.70710678f,  0.92387953f,
-                                        1.0f,  0.92387953f,  0.70710678f,  0.38268343f,
-                                        0.0f,  -0.38268343f, -0.70710678f, -0.92387953f,
-                                        -1.0f, -0.92387953f, -0.70710678f, -0.38268343f};
 
 float stp_growth_factor(uint32_t growth)
 {
@@ -44,209 +38,216 @@ float stp_growth_factor(uint32_t growth)
     return factors[growth];
 }
 
+const stp_growth_kernels* stp_growth_kernels_select(void)
+{
+#if defined(__x86_64__)
+    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        return &stp_growth_kernels_avx2;
+    }
+#endif
+    return &stp_growth_kernels_portable;
+}
+
 typedef struct gap_search {
     const stp_growth_desc* desc;
-    stp_grid fine, coarse;
-    uint8_t* found;   ///< growth of each point
-    uint8_t* growths; ///< the same, and not far above those around it
+    const stp_growth_kernels* kernels;
+    stp_grid grids[LEVELS]; ///< of all points, then of sparse ones
+    stp_cell_limits limits;
+    float thresholds[STP_GROWTHS]; ///< how far each growth is enough
+    uint8_t* found;                ///< growth of each point, in the order of the fine grid
+    uint8_t* growths;              ///< the same, and not far above those around it
 } gap_search;
 
-/// A point, the plane of its surface, and the cell around it.
-typedef struct plane_cell {
-    stp_vec3 point, normal, across, along;
-    float nearness[DIRECTIONS]; ///< 1 / distance to the border of the cell; 0: no border
-    uint32_t steep;             ///< neighbours that are not of the surface
-    float reach;                ///< square of the distance from which neighbours change nothing
-} plane_cell;
+/// The cells of a grid around a place, and the points in them.
+typedef struct surroundings {
+    const stp_grid* grid;
+    uint32_t limit;  ///< points of a bucket that count
+    int32_t cell[3]; ///< the middle one
+    bool known;      ///< whether there is one
+    stp_around around;
+} surroundings;
 
-static plane_cell begin_cell(const stp_growth_desc* d, uint32_t index)
+/// Copies points of a grid to the end of a list, in whole vectors.
+static void copy_points(const stp_grid* grid, uint32_t begin, uint32_t end, stp_around* to)
+{
+    assert(begin <= end && to->count + (end - begin) + STP_GROWTH_LANES <= STP_AROUND_MAX);
+    const float *x = grid->x, *y = grid->y, *z = grid->z;
+    uint32_t next = to->count;
+    for (uint32_t at = begin; at < end; at += STP_GROWTH_LANES, next += STP_GROWTH_LANES) {
+        memcpy(to->x + next, x + at, STP_GROWTH_LANES * sizeof(float));
+        memcpy(to->y + next, y + at, STP_GROWTH_LANES * sizeof(float));
+        memcpy(to->z + next, z + at, STP_GROWTH_LANES * sizeof(float));
+    }
+    to->count += end - begin;
+}
+
+/// Copies the first points of each of consecutive buckets.
+static void copy_buckets(surroundings* s, uint32_t bucket, uint32_t count)
+{
+    const uint32_t* starts = s->grid->starts + bucket;
+    if (starts[count] - starts[0] <= s->limit) { // mostly
+        copy_points(s->grid, starts[0], starts[count], &s->around);
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t points = starts[i + 1] - starts[i];
+        points = points < s->limit ? points : s->limit;
+        copy_points(s->grid, starts[i], starts[i] + points, &s->around);
+    }
+}
+
+/// Lists the points of the 27 cells around a place. Cells of a row that are of one block are
+/// consecutive buckets.
+static void list_around(surroundings* s, stp_vec3 place)
+{
+    const stp_grid* grid = s->grid;
+    int32_t x = stp_grid_cell(grid, place.x), y = stp_grid_cell(grid, place.y),
+            z = stp_grid_cell(grid, place.z);
+    if (s->known && s->cell[0] == x && s->cell[1] == y && s->cell[2] == z) {
+        return; // mostly
+    }
+    s->known = true;
+    s->cell[0] = x, s->cell[1] = y, s->cell[2] = z;
+    stp_around* to = &s->around;
+    to->count = 0;
+    int32_t split = ((x - 1) | 3) + 1; // where the next block begins
+    uint32_t first = split > x + 1 ? 3 : (uint32_t)(split - (x - 1));
+    for (int i = 0; i < 9; ++i) {
+        int32_t row = y + i % 3 - 1, layer = z + i / 3 - 1;
+        copy_buckets(s, stp_grid_bucket(grid, x - 1, row, layer), first);
+        if (first < 3) {
+            copy_buckets(s, stp_grid_bucket(grid, split, row, layer), 3 - first);
+        }
+    }
+    for (; to->count % STP_GROWTH_LANES != 0; ++to->count) {
+        to->x[to->count] = to->y[to->count] = to->z[to->count] = INFINITY;
+    }
+}
+
+static void begin_surroundings(surroundings* s, const stp_grid* grid, uint32_t limit)
+{
+    s->grid = grid;
+    s->limit = limit;
+    s->known = false;
+}
+
+static void begin_cell(const stp_growth_desc* d, uint32_t index, stp_plane_cell* cell)
 {
     const float *p = d->positions + 3 * (size_t)index, *n = d->normals + 3 * (size_t)index;
-    plane_cell cell = {
-        .point = {p[0], p[1], p[2]}, .normal = {n[0], n[1], n[2]}, .reach = INFINITY};
+    *cell = (stp_plane_cell){
+        .point = {p[0], p[1], p[2]}, .normal = {n[0], n[1], n[2]}, .beyond = INFINITY};
     stp_vec3 axis =
         fabsf(n[0]) < 0.6f ? (stp_vec3){1.0f, 0.0f, 0.0f} : (stp_vec3){0.0f, 1.0f, 0.0f};
-    cell.across = stp_normalize(stp_cross(cell.normal, axis));
-    cell.along = stp_cross(cell.normal, cell.across);
-    return cell;
+    cell->across = stp_normalize(stp_cross(cell->normal, axis));
+    cell->along = stp_cross(cell->normal, cell->across);
 }
 
-/// Cuts a cell by the bisector between its point and a neighbour. @return whether it was cut
-static bool cut_cell(plane_cell* cell, stp_vec3 offset)
+static uint8_t growth_for(const gap_search* s, float reach)
 {
-    float u = stp_dot(offset, cell->across), v = stp_dot(offset, cell->along);
-    float height = stp_dot(offset, cell->normal), square = u * u + v * v;
-    if (!(square > 0.0f) || height * height > STEEP * square) {
-        cell->steep += square > 0.0f ? 1 : 0;
-        return false;
+    uint32_t growth = 0;
+    for (int k = 0; k < STP_GROWTHS - 1; ++k) {
+        growth += s->thresholds[k] < reach ? 1 : 0;
     }
-    float a = 2.0f * u / square, b = 2.0f * v / square;
-#pragma GCC unroll 1
-    for (int k = 0; k < DIRECTIONS; ++k) { // compiled to vectors, unless it is unrolled first
-        float nearness = a * cosines[k] + b * sines[k];
-        cell->nearness[k] = stp_max(cell->nearness[k], nearness);
-    }
-    return true;
+    return (uint8_t)(growth < STP_GROWTH_PLAIN && !s->desc->smaller ? STP_GROWTH_PLAIN : growth);
 }
 
-static float least_nearness(const plane_cell* cell)
+/// Cuts the cell of a point by the points around, in ever wider cells of grids until it is closed.
+static void find_cell(const gap_search* s, surroundings levels[LEVELS], stp_plane_cell* cell)
 {
-    float least = cell->nearness[0];
-    for (int k = 1; k < DIRECTIONS; ++k) {
-        least = stp_min(least, cell->nearness[k]);
-    }
-    return least;
-}
-
-static void cut_by_bucket(plane_cell* cell, const stp_grid* grid, uint32_t bucket, uint32_t limit)
-{
-    uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + 1];
-    end = end - begin < limit ? end : begin + limit;
-    bool cut = false;
-    for (uint32_t at = begin; at < end; ++at) {
-        stp_vec3 offset = {grid->x[at] - cell->point.x, grid->y[at] - cell->point.y,
-                           grid->z[at] - cell->point.z};
-        cut = (stp_dot(offset, offset) < cell->reach && cut_cell(cell, offset)) || cut;
-    }
-    float least = cut ? least_nearness(cell) : 0.0f;
-    if (least > 0.0f) {
-        cell->reach = 4.0f * (1.0f + STEEP * STEEP) /
-                      (least * least); // steep neighbours are nearer in the plane
-    }
-}
-
-/// Cuts a cell by the points around it: of its own cell of the grid first, which leaves little to
-/// do for the others.
-static void cut_by_grid(plane_cell* cell, const stp_grid* grid, uint32_t limit)
-{
-    int32_t x = stp_grid_cell(grid, cell->point.x), y = stp_grid_cell(grid, cell->point.y),
-            z = stp_grid_cell(grid, cell->point.z);
-    cut_by_bucket(cell, grid, stp_grid_bucket(grid, x, y, z), limit);
-    for (int32_t i = 0; i < 27; ++i) {
-        if (i != 13) {
-            cut_by_bucket(cell, grid,
-                          stp_grid_bucket(grid, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1),
-                          limit);
+    float seen = 0.0f; // flat neighbours up to here have cut, squared
+    for (int i = 0; i < LEVELS; ++i) {
+        surroundings* level = &levels[i];
+        list_around(level, cell->point);
+        float side = level->grid->cell, first = i == 0 ? FIRST * side : side;
+        float steep = i == 0 ? STEEP_WITHIN * side : 0.0f;
+        s->kernels->cut(&level->around, seen, first * first, steep * steep, cell);
+        if (cell->least * side >= 2.0f || cell->steep >= VOLUME) {
+            break;
         }
+        seen = 0.5f * side * side; // flat ones are up to sqrt(2) times as far away
     }
 }
 
-/// How far a finished cell reaches, without what may be beyond the border of a surface.
-static float reach_of(const stp_growth_desc* d, const plane_cell* cell)
-{
-    float covered = d->covered + d->radius, reach = 0.0f, closed = 1.0f / (CLOSED * covered);
-    for (int k = 0; k < DIRECTIONS; ++k) {
-        float own = cell->nearness[k], opposite = cell->nearness[(k + DIRECTIONS / 2) % DIRECTIONS];
-        float beside = stp_min(cell->nearness[(k + 1) % DIRECTIONS],
-                               cell->nearness[(k + DIRECTIONS - 1) % DIRECTIONS]);
-        float distance = own > 0.0f ? 1.0f / own : INFINITY;
-        float limit = stp_min(own, beside) >= closed ? HOLE * covered : covered;
-        limit = opposite > 0.0f ? stp_max(limit, ONE_SIDED / opposite) : limit;
-        limit = stp_min(limit, d->covered + d->radius * factors[STP_GROWTHS - 1]);
-        reach = stp_max(reach, stp_min(distance * BETWEEN, limit));
-    }
-    return reach;
-}
-
-static uint8_t growth_for(const stp_growth_desc* d, float reach)
-{
-    uint32_t growth = d->smaller ? 0 : STP_GROWTH_PLAIN;
-    while (growth + 1 < STP_GROWTHS &&
-           (d->covered + d->radius * factors[growth]) * TOLERANCE < reach) {
-        growth += 1;
-    }
-    return (uint8_t)growth;
-}
-
-static void search_points(size_t begin, size_t end, uint32_t worker, void* user)
+static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const gap_search* s = user;
-    float known = 0.5f * FINE_CELL * s->desc->spacing; // what the fine grid tells about
-    for (size_t at = begin; at < end; ++at) {
-        uint32_t index = s->fine.index[at];
-        plane_cell cell = begin_cell(s->desc, index);
-        cut_by_grid(&cell, &s->fine, FINE_POINTS);
-        if (!(least_nearness(&cell) * known >= 1.0f) && cell.steep < VOLUME) {
-            cut_by_grid(&cell, &s->coarse, COARSE_POINTS);
-        }
-        s->found[index] = growth_for(s->desc, reach_of(s->desc, &cell));
+    const stp_grid* grid = &s->grids[0];
+    surroundings levels[LEVELS];
+    for (int i = 0; i < LEVELS; ++i) {
+        begin_surroundings(&levels[i], &s->grids[i], i == 0 ? FINE_POINTS : COARSE_POINTS);
+    }
+    for (uint32_t at = grid->starts[begin]; at < grid->starts[end]; ++at) {
+        stp_plane_cell cell;
+        begin_cell(s->desc, grid->index[at], &cell);
+        find_cell(s, levels, &cell);
+        s->found[at] = growth_for(s, s->kernels->reach(&s->limits, &cell));
     }
 }
 
-static void count_growths(const gap_search* s, uint32_t bucket, uint32_t index, uint32_t* counts)
-{
-    const stp_grid* grid = &s->fine;
-    uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + 1];
-    const float* p = s->desc->positions + 3 * (size_t)index;
-    end = end - begin < FINE_POINTS ? end : begin + FINE_POINTS;
-    for (uint32_t at = begin; at < end; ++at) {
-        stp_vec3 offset = {grid->x[at] - p[0], grid->y[at] - p[1], grid->z[at] - p[2]};
-        bool near = stp_dot(offset, offset) <= grid->cell * grid->cell;
-        counts[s->found[grid->index[at]]] += near && grid->index[at] != index ? 1 : 0;
-    }
-}
-
-/// How large the growth of a point may be: OUTSTANDING above the median of the points within a
-/// cell's side of it, and STP_GROWTH_PLAIN in any case.
-static uint32_t limit_around(const gap_search* s, uint32_t index)
-{
-    uint32_t counts[STP_GROWTHS] = {0}, total = 0, below = 0, median = 0;
-    const float* p = s->desc->positions + 3 * (size_t)index;
-    int32_t x = stp_grid_cell(&s->fine, p[0]), y = stp_grid_cell(&s->fine, p[1]),
-            z = stp_grid_cell(&s->fine, p[2]);
-    for (int32_t i = 0; i < 27; ++i) {
-        uint32_t bucket =
-            stp_grid_bucket(&s->fine, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1);
-        count_growths(s, bucket, index, counts);
-    }
-    for (uint32_t k = 0; k < STP_GROWTHS; ++k) {
-        total += counts[k];
-    }
-    if (total == 0) {
-        return STP_GROWTH_PLAIN;
-    }
-    while ((below += counts[median]) * 2 < total) {
-        median += 1;
-    }
-    median += OUTSTANDING;
-    return median > STP_GROWTH_PLAIN ? median : STP_GROWTH_PLAIN;
-}
-
-/// Limits growths that are far above those around them: of points in the air, whose neighbours in
-/// the plane are not of their surface.
-static void limit_growths(size_t begin, size_t end, uint32_t worker, void* user)
+/// Limits growths that are far above those around them, of points in the air, whose neighbours in
+/// the plane are not of their surface: to OUTSTANDING above the median of the other points of their
+/// bucket, and to STP_GROWTH_PLAIN in any case.
+static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const gap_search* s = user;
-    for (size_t i = begin; i < end; ++i) {
-        s->growths[i] = s->found[i];
-        if (s->found[i] > STP_GROWTH_PLAIN) {
-            uint32_t most = limit_around(s, (uint32_t)i);
-            s->growths[i] = s->found[i] < most ? s->found[i] : (uint8_t)most;
+    const stp_grid* grid = &s->grids[0];
+    for (size_t bucket = begin; bucket < end; ++bucket) {
+        uint32_t first = grid->starts[bucket], last = grid->starts[bucket + 1];
+        uint32_t at_most[STP_GROWTHS] = {0}; // points with a growth of at most each index
+        for (uint32_t at = first; at < last; ++at) {
+            at_most[s->found[at]] += 1;
+        }
+        for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
+            at_most[k] += at_most[k - 1];
+        }
+        for (uint32_t at = first; at < last; ++at) {
+            uint32_t growth = s->found[at];
+            while (growth > STP_GROWTH_PLAIN &&
+                   2 * at_most[growth - OUTSTANDING - 1] >= last - first - 1) {
+                growth -= 1;
+            }
+            s->growths[grid->index[at]] = (uint8_t)growth;
         }
     }
+}
+
+static gap_search make_search(const stp_growth_desc* desc, uint8_t* growths)
+{
+    float plain = desc->covered + desc->radius;
+    gap_search s = {.desc = desc,
+                    .kernels = stp_growth_kernels_select(),
+                    .limits = {.plain = plain,
+                               .closed = 1.0f / (CLOSED * plain),
+                               .hole = HOLE * plain,
+                               .most = desc->covered + desc->radius * factors[STP_GROWTHS - 1]},
+                    .growths = growths};
+    for (uint32_t i = 0; i < STP_GROWTHS; ++i) {
+        s.thresholds[i] = (desc->covered + desc->radius * factors[i]) * TOLERANCE;
+    }
+    return s;
 }
 
 stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc, uint8_t* growths)
 {
     assert(desc->spacing > 0.0f && desc->radius > 0.0f && desc->sparse_count <= desc->count);
-    gap_search s = {.desc = desc, .growths = growths};
+    gap_search s = make_search(desc, growths);
     s.found = STP_NEW_ARRAY(context, uint8_t, desc->count);
     stp_result result = s.found == NULL ? stp_fail_memory(context) : STP_OK;
-    result = result != STP_OK ? result
-                              : stp_grid_create(context, desc->positions, NULL, desc->count,
-                                                FINE_CELL * desc->spacing, 0.0f, &s.fine);
-    if (result == STP_OK) {
-        result = stp_grid_create(context, desc->positions, NULL, desc->sparse_count,
-                                 COARSE_CELL * desc->spacing, 0.0f, &s.coarse);
+    float side = FINE_CELL * desc->spacing;
+    for (int i = 0; i < LEVELS && result == STP_OK; ++i, side *= 2.0f) {
+        result =
+            stp_grid_create(context, desc->positions, NULL,
+                            i == 0 ? desc->count : desc->sparse_count, side, 0.0f, &s.grids[i]);
     }
     if (result == STP_OK) {
-        stp_parallel_for(context, desc->count, GRAIN, search_points, &s);
-        stp_parallel_for(context, desc->count, GRAIN, limit_growths, &s);
+        stp_parallel_for(context, (size_t)s.grids[0].mask + 1, GRAIN, search_buckets, &s);
+        stp_parallel_for(context, (size_t)s.grids[0].mask + 1, GRAIN, limit_buckets, &s);
     }
     stp_free(context, s.found);
-    stp_grid_destroy(context, &s.coarse);
-    stp_grid_destroy(context, &s.fine);
+    for (int i = 0; i < LEVELS; ++i) {
+        stp_grid_destroy(context, &s.grids[i]);
+    }
     return result;
 }

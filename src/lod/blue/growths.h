@@ -39,7 +39,7 @@ typedef struct stp_growth_desc {
 /// more than 1.3 times as far as on the opposite side, it counts at most `covered` + `radius`, so
 /// that borders stay where they are; twice that where the cell is closed on that side. At most
 /// `covered` plus the largest factor times `radius` is found, and at most two factors above the
-/// median of the points around.
+/// median of the other points of its cell of a grid.
 /// @param growths result: an index for each point: the smallest factor that reaches as far
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc,
