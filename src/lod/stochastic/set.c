@@ -443,7 +443,7 @@ stp_result stp_stochastic_make_of_samples(stp_context* context, const stp_splats
     stp_candidates candidates = {.count = samples->count,
                                  .set_count = samples->count,
                                  .surface_radius = (double)samples->candidate_radius};
-    stp_result result = stp_method_samples_take(context, samples, &taken);
+    stp_result result = stp_method_samples_take(context, samples, NULL, &taken);
     candidates.colors = STP_NEW_ARRAY(context, uint8_t, 4 * (size_t)samples->count);
     candidates.materials = STP_NEW_ARRAY(context, uint32_t, samples->count);
     if (result == STP_OK && (candidates.colors == NULL || candidates.materials == NULL)) {
