@@ -20,6 +20,8 @@ enum {
 #define FINE_CELL 1.5f   // side of a cell, in spacings
 #define COARSE_CELL 8.0f // the same for wide gaps
 #define ONE_SIDED 1.3f   // how much farther a cell may reach than on its opposite side
+#define ENCLOSED 5.0f    // a cell that reaches less far to all sides, in covered distances
+#define INNER_SIDED 2.0f // how much farther it may reach than on its opposite side
 #define CLOSED 3.0f      // a cell that reaches less far there is closed, in covered distances
 #define HOLE 2.0f        // how far it then counts
 #define BETWEEN 1.05f    // corners of a cell may lie between two directions
@@ -135,13 +137,15 @@ static void cut_by_grid(plane_cell* cell, const stp_grid* grid, uint32_t limit)
 static float reach_of(const stp_growth_desc* d, const plane_cell* cell)
 {
     float covered = d->covered + d->radius, reach = 0.0f, closed = 1.0f / (CLOSED * covered);
+    bool enclosed = least_nearness(cell) * ENCLOSED * covered >= 1.0f;
+    float sided = enclosed ? INNER_SIDED : ONE_SIDED;
     for (int k = 0; k < DIRECTIONS; ++k) {
         float own = cell->nearness[k], opposite = cell->nearness[(k + DIRECTIONS / 2) % DIRECTIONS];
         float beside = stp_min(cell->nearness[(k + 1) % DIRECTIONS],
                                cell->nearness[(k + DIRECTIONS - 1) % DIRECTIONS]);
         float distance = own > 0.0f ? 1.0f / own : INFINITY;
         float limit = stp_min(own, beside) >= closed ? HOLE * covered : covered;
-        limit = opposite > 0.0f ? stp_max(limit, ONE_SIDED / opposite) : limit;
+        limit = opposite > 0.0f ? stp_max(limit, sided / opposite) : limit;
         limit = stp_min(limit, d->covered + d->radius * factors[STP_GROWTHS - 1]);
         reach = stp_max(reach, stp_min(distance * BETWEEN, limit));
     }
