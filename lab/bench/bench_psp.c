@@ -149,8 +149,8 @@ static stp_result measure(const ball* b, stp_psp_metric metric, int repeats, jso
         stp_psp_splats_destroy(b->context, &left);
     }
     stp_splats set = {0};
-    result =
-        result == STP_OK ? stp_psp_make(b->context, &b->samples, false, metric, 0, &set) : result;
+    result = result == STP_OK ? stp_psp_make(b->context, &b->samples, NULL, false, metric, 0, &set)
+                              : result;
     result = result == STP_OK ? count_bytes(b->context, &set, &each) : result;
     stp_splats_destroy(b->context, &set);
     if (result == STP_OK) {

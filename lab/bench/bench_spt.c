@@ -72,7 +72,7 @@ static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_
         b->center = stp_scaled(stp_addd(box->min, box->max), 0.5);
         b->size = sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
         result = b->surfels.count > 0
-                     ? stp_method_samples_take(b->context, &b->surfels, &b->samples)
+                     ? stp_method_samples_take(b->context, &b->surfels, NULL, &b->samples)
                      : STP_OK;
     }
     stp_free(b->context, shadings);

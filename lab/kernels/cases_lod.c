@@ -208,7 +208,8 @@ void kernel_run_growths(kernel_case* c)
 {
     const lod_input* in = c->input;
     const stp_growth_kernels* kernels_here = stp_growth_kernels_select();
-    const stp_cell_limits limits = {.plain = 0.2f, .closed = 1.5f, .hole = 0.4f, .most = 1.0f};
+    const stp_cell_limits limits = {
+        .plain = 0.2f, .closed = 1.5f, .hole = 0.4f, .enclosed = 1.0f, .most = 1.0f};
     for (uint32_t i = 0; i < PLACES; ++i) {
         stp_plane_cell cell = {.point = {in->x[i], in->y[i], in->z[i]},
                                .normal = {0.0f, 0.0f, 1.0f},

@@ -241,7 +241,7 @@ static uint64_t largest_step(const stp_build_plan* plan)
     return maximum;
 }
 
-/// Whether the file holds the method that is drawn with levels, and whose points have growths.
+/// Whether the file holds the method whose splats name their growths.
 static bool has_blue(const stp_build_desc* desc)
 {
     bool has = desc->method_count == 0;
@@ -251,11 +251,19 @@ static bool has_blue(const stp_build_desc* desc)
     return has;
 }
 
+// The only method, if it needs no samples; else NULL.
+static const stp_method* method_alone(const stp_build_desc* desc)
+{
+    const stp_method* only = desc->method_count == 1 ? desc->methods[0] : NULL;
+    return only != NULL && only->make_alone != NULL ? only : NULL;
+}
+
 static stp_result plan_splat_sets(build* b)
 {
     const stp_build_desc* desc = b->desc;
     stp_result result = stp_scene_find_looks(b->scene);
-    result = result == STP_OK ? stp_make_shadings(b->scene, has_blue(desc), &b->shadings) : result;
+    bool grow = desc->method_count == 0 || method_alone(desc) == NULL; // surfels are made
+    result = result == STP_OK ? stp_make_shadings(b->scene, grow, &b->shadings) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -278,13 +286,6 @@ static stp_result plan_splat_sets(build* b)
         stp_build_draft_begin(b->draft, b->scene, &b->plan, &b->shadings, &b->census);
     }
     return result;
-}
-
-// The only method, if it needs no samples; else NULL.
-static const stp_method* method_alone(const stp_build_desc* desc)
-{
-    const stp_method* only = desc->method_count == 1 ? desc->methods[0] : NULL;
-    return only != NULL && only->make_alone != NULL ? only : NULL;
 }
 
 static stp_result make_splat_sets(build* b)
@@ -336,6 +337,7 @@ static stp_result make_methods(build* b)
         .coarse = makes_coarse(desc) ? &stp_method_coarse : NULL,
         .options = &desc->method_options,
         .shading_count = b->shadings.count,
+        .shadings = b->shadings.shadings,
         .growths = b->blue.growths,
         .memory_bytes = bytes_for_step(b),
         .work = b->work,
@@ -413,6 +415,9 @@ static stp_result make_content(build* b)
         content->release_pages = release_pages;
         content->is_intact = is_intact;
         content->release_user = b;
+        for (uint32_t i = 0; i < b->shadings.count && !has_blue(b->desc); ++i) {
+            b->shadings.shadings[i].growth = 0.0f; // no splat of the file names one
+        }
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
         content->directory.build_json = b->desc->parameters_json;

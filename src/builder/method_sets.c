@@ -108,6 +108,7 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
     if (result == STP_OK) {
         const stp_method_source source = {
             .samples = &r->desc->samples[step],
+            .shadings = r->desc->growths != NULL ? r->desc->shadings : NULL,
             .corners = large.corners,
             .triangle_count = large.count,
             .two_sided = r->lacks_normals &&
@@ -162,6 +163,9 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
             key = stp_build_set_key(r->desc->alone, r->desc->options, key);
         } else {
             key = method->hash(key, r->desc->options);
+            if (r->desc->growths != NULL && method != r->desc->coarse) {
+                key = stp_hash_bytes(key, "radii", 5);
+            }
             bool found = find_set(r, key, &r->made->sets[i]);
             result = found ? STP_OK : make_set(r, method, step, key, &r->made->sets[i]);
             r->origins[i] = (stp_build_result){key, !found};

@@ -24,7 +24,8 @@ typedef struct stp_build_methods_desc {
     const stp_method* coarse;
     const stp_method_options* options;
     uint32_t shading_count;
-    const stp_growth_table* growths; ///< of the samples' shadings; NULL: none
+    const stp_shading* shadings;     ///< of the samples
+    const stp_growth_table* growths; ///< of these shadings; NULL: none
     uint64_t memory_bytes;           ///< for sets in progress; 0: no limit
     stp_work* work;
     stp_previous_output* previous; ///< NULL: none

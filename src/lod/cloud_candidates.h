@@ -21,18 +21,26 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
 // side is outside is not determined.
 
 /// Estimates normals of candidates that are points from the candidates within `radius`. With fewer
-/// than four, including the point itself, doubles the radius up to four times; if that does not
-/// help, the normal is straight up. Splats of sets keep their normals. Does nothing if the radius
+/// than four, including the point itself, or with neighbours in a line, as along the ring of a
+/// scanner, doubles the radius up to four times. If that does not help, a line's points keep their
+/// first normal, and that of others is straight up. Splats of sets keep their normals. Does nothing if the radius
 /// is 0.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                                    float radius);
 
+/// What is known of a candidate's normal.
+enum {
+    STP_NORMAL_KNOWN,
+    STP_NORMAL_NONE,    ///< too few neighbours
+    STP_NORMAL_OF_LINE, ///< it is a normal of the line of the neighbours, not of their plane
+};
+
 /// The same in two steps, for callers that know better normals of points with few neighbours.
 typedef struct stp_normal_search {
     stp_context* context;
     stp_candidates* candidates;
-    uint8_t* missing; ///< one per candidate: 1 if it still needs a normal; the caller may set 0
+    uint8_t* missing; ///< one of these per candidate; the caller may set STP_NORMAL_KNOWN
     float radius;
     stp_cell_rows rows; ///< the candidates, in cells slightly wider than `radius`
 } stp_normal_search;

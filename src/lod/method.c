@@ -49,6 +49,7 @@ static stp_result make_spt(stp_context* context, const stp_method_source* source
 {
     assert(source->triangle_count == 0 || source->corners != NULL);
     const stp_spt_desc desc = {.tree = options->tree,
+                               .shadings = source->shadings,
                                .corners = source->corners,
                                .triangle_count = source->triangle_count};
     return stp_spt_make(context, source->samples, &desc, splats);
@@ -75,8 +76,8 @@ static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
 static stp_result make_psp(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_splats* splats)
 {
-    return stp_psp_make(context, source->samples, source->two_sided, options->psp_metric, 0,
-                        splats);
+    return stp_psp_make(context, source->samples, source->shadings, source->two_sided,
+                        options->psp_metric, 0, splats);
 }
 
 static stp_hash hash_coarse(stp_hash key, const stp_method_options* options)
@@ -115,8 +116,8 @@ static stp_result make_coarse(stp_context* context, const stp_method_source* sou
         assert(few.octave_count <= source->samples->octave_count);
         few.octave_ends[few.octave_count - 1] = few.count = count;
     }
-    return stp_psp_make(context, &few, source->two_sided, STP_PSP_REGIONS, limit > 0 ? limit : 1,
-                        splats);
+    return stp_psp_make(context, &few, NULL, source->two_sided, STP_PSP_REGIONS,
+                        limit > 0 ? limit : 1, splats);
 }
 
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)

@@ -22,7 +22,8 @@ stp_method_options stp_method_options_default(void);
 
 /// Input of methods other than `blue`. Arrays belong to the caller, and are only read.
 typedef struct stp_method_source {
-    const stp_splats* samples; ///< the node's set of `blue`: evenly spread
+    const stp_splats* samples;   ///< the node's set of `blue`: evenly spread
+    const stp_shading* shadings; ///< of the samples, for their growths; NULL: none has one
     /// Opaque triangles of the node whose level (base/splats/triangle_level.h) is above the
     /// coverage radius of all samples: 9 floats each, finite.
     const float* corners;

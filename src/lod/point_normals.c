@@ -18,6 +18,10 @@ enum {
     DOUBLINGS = 4, ///< maximum enlargement of the radius, for points with fewer neighbours
 };
 
+/// Below this sum of products of two eigenvalues over their squared sum, points lie in a line: a
+/// sixth as wide as it is long. A disk has 1/4.
+#define LINE 0.027f
+
 // copies write whole vectors
 _Static_assert(27 * CELL_POINTS + LANES <= STP_NEAR_POINTS_MAX, "a window fits into a list");
 
@@ -26,7 +30,7 @@ typedef struct normal_loop {
     float squared_radius;
     const stp_normal_kernels* kernels;
     float* normals;
-    uint8_t* missing;     ///< by candidate: 1 if it needs a normal
+    uint8_t* missing;     ///< by candidate: whether it needs a normal (stp_normal_search)
     const uint32_t* list; ///< sorted points that need one, for estimate_listed
     uint32_t reach;       ///< radius in cells
 } normal_loop;
@@ -53,6 +57,18 @@ static stp_vec3 direction_of(const float m[STP_NORMAL_MATRIX])
     return n.y < 0.0f ? stp_scale(n, -1.0f) : n;
 }
 
+/// Whether points lie in a line, so that their plane may be turned about it.
+static bool are_in_line(const float s[STP_NORMAL_SUMS])
+{
+    float weight = 1.0f / s[0], x = s[1] * weight, y = s[2] * weight, z = s[3] * weight;
+    float xx = s[4] * weight - x * x, xy = s[5] * weight - x * y, xz = s[6] * weight - x * z;
+    float yy = s[7] * weight - y * y, yz = s[8] * weight - y * z, zz = s[9] * weight - z * z;
+    float products = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz);
+    float trace = xx + yy + zz;
+    return products < LINE * trace * trace;
+}
+
+/// Sets the normals of a batch. A line only gives one to points without any.
 static void set_normals(const normal_loop* s, sum_batch* batch)
 {
     float matrices[BATCH][STP_NORMAL_MATRIX];
@@ -61,9 +77,10 @@ static void set_normals(const normal_loop* s, sum_batch* batch)
     for (uint32_t i = 0; i < batch->count; ++i) {
         uint32_t index = batch->index[i];
         stp_vec3 normal = direction_of(matrices[i]);
-        if (stp_dot(normal, normal) > 0.0f) {
+        bool line = are_in_line(batch->sums[i]);
+        if (stp_dot(normal, normal) > 0.0f && (s->missing[index] == STP_NORMAL_NONE || !line)) {
             memcpy(s->normals + 3 * (size_t)index, &normal, sizeof(normal));
-            s->missing[index] = 0;
+            s->missing[index] = line ? STP_NORMAL_OF_LINE : STP_NORMAL_KNOWN;
         }
     }
     batch->count = 0;
@@ -151,7 +168,7 @@ static void estimate_cells(size_t begin, size_t end, uint32_t worker, void* user
     for (size_t cell = begin; cell < end; ++cell) {
         bool listed = false;
         for (uint32_t at = rows->starts[cell]; at < rows->starts[cell + 1]; ++at) {
-            if (s->missing[stp_cell_rows_index(rows, at)] == 0) {
+            if (s->missing[stp_cell_rows_index(rows, at)] == STP_NORMAL_KNOWN) {
                 continue;
             }
             if (!listed) {
@@ -260,7 +277,7 @@ static stp_result search_few(stp_normal_search* search, uint32_t count, uint32_t
     }
     uint32_t listed = 0;
     for (uint32_t at = 0; at < search->rows.count; ++at) {
-        if (search->missing[stp_cell_rows_index(&search->rows, at)] != 0) {
+        if (search->missing[stp_cell_rows_index(&search->rows, at)] != STP_NORMAL_KNOWN) {
             list[listed++] = at;
         }
     }
@@ -277,7 +294,7 @@ static uint32_t count_missing(const stp_normal_search* search)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < search->candidates->count; ++i) {
-        count += search->missing[i];
+        count += search->missing[i] != STP_NORMAL_KNOWN ? 1 : 0;
     }
     return count;
 }
@@ -290,7 +307,7 @@ stp_result stp_normal_search_start(stp_context* context, stp_candidates* candida
     if (search->missing == NULL) {
         return stp_fail_memory(context);
     }
-    memset(search->missing, 1, stp_first_of_sets(candidates));
+    memset(search->missing, STP_NORMAL_NONE, stp_first_of_sets(candidates));
     return search_all(search, radius);
 }
 
@@ -312,7 +329,7 @@ stp_result stp_normal_search_finish(stp_normal_search* search)
         missing = count_missing(search);
     }
     for (uint32_t i = 0; i < search->candidates->count && missing > 0; ++i) {
-        if (search->missing[i] != 0) {
+        if (search->missing[i] == STP_NORMAL_NONE) {
             const float up[3] = {0, 1, 0};
             memcpy(search->candidates->normals + 3 * (size_t)i, up, sizeof(up));
         }

@@ -8,8 +8,23 @@
 #include <assert.h>
 #include <string.h>
 
+static stp_result find_radii(stp_context* context, const stp_splats* set,
+                             const stp_shading* shadings, stp_method_samples* samples)
+{
+    samples->radii = STP_NEW_ARRAY(context, float, set->count);
+    if (samples->radii == NULL) {
+        return stp_fail_memory(context);
+    }
+    for (size_t i = 0; i < set->count; ++i) {
+        float growth = shadings[set->materials[i]].growth;
+        samples->radii[i] = samples->points.radius + set->candidate_radius * growth;
+    }
+    samples->points.radii = samples->radii;
+    return STP_OK;
+}
+
 stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
-                                   stp_method_samples* samples)
+                                   const stp_shading* shadings, stp_method_samples* samples)
 {
     assert(set->count > 0);
     assert((set->columns & STP_SPLATS_FLAT_COLORS) != 0 ||
@@ -38,12 +53,13 @@ stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
                                         .normals = samples->normals,
                                         .colors = set->colors + 3 * finest,
                                         .radius = reach + set->candidate_radius};
-    return STP_OK;
+    return shadings != NULL ? find_radii(context, set, shadings, samples) : STP_OK;
 }
 
 void stp_method_samples_destroy(stp_context* context, stp_method_samples* samples)
 {
     stp_free(context, samples->positions);
     stp_free(context, samples->normals);
+    stp_free(context, samples->radii);
     *samples = (stp_method_samples){.coverages = NULL};
 }

@@ -149,7 +149,7 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
     }
     stp_splats merged = {0};
     if (method == STP_METHOD_PSP) {
-        if (stp_psp_make(context, &s.sets[0], false, STP_PSP_REGIONS, 0, &merged) != STP_OK) {
+        if (stp_psp_make(context, &s.sets[0], NULL, false, STP_PSP_REGIONS, 0, &merged) != STP_OK) {
             return NULL;
         }
         s.sets[0] = merged;

@@ -51,7 +51,8 @@ void test_growth_kernels_of_all_processors_agree(test_state* test)
     if (stp_processor_detect() < STP_PROCESSOR_AVX2) {
         SKIP("no AVX2");
     }
-    const stp_cell_limits limits = {.plain = 0.4f, .closed = 0.8f, .hole = 0.8f, .most = 2.0f};
+    const stp_cell_limits limits = {
+        .plain = 0.4f, .closed = 0.8f, .hole = 0.8f, .enclosed = 0.5f, .most = 2.0f};
     for (uint64_t seed = 0; seed < SEEDS; ++seed) {
         static stp_around around;
         make_around(seed, &around);

@@ -227,3 +227,24 @@ void test_growths_close_the_gaps_of_a_thinned_grid(test_state* test)
     }
     check_covered(test, &c, 0.0, 13.0, 0.97);
 }
+
+// A grid of which most points are left out: most cells that are closed on all sides are covered,
+// however uneven they are.
+void test_growths_cover_uneven_cells_inside_a_surface(test_state* test)
+{
+    static cloud c;
+    static float reach[POINTS_MAX];
+    make_grid(&c, 60, 0.5, 0.85);
+    CHECK(find(&c, 1, 0.5f, true));
+    measure_cells(&c, 30.0, reach);
+    uint32_t inner = 0, covered = 0;
+    for (uint32_t i = 0; i < c.count; ++i) {
+        const float* p = c.positions + 3 * (size_t)i;
+        if (p[0] > 3.0f && p[0] < 27.0f && p[2] > 3.0f && p[2] < 27.0f) {
+            float radius = 0.5f * 0.70710678f * stp_growth_factor(c.growths[i]);
+            inner += 1;
+            covered += radius * 1.08f >= reach[i] ? 1 : 0;
+        }
+    }
+    CHECK(inner > 200 && covered * 2 >= inner);
+}

@@ -169,3 +169,61 @@ void test_point_normals_of_crowds_are_those_of_the_surface(test_state* test)
     CHECK(good > POINTS * 3 / 4 * 9 / 10);
     stp_context_destroy(context);
 }
+
+/// The largest angle, in degrees, between estimated normals and that of a plane which is level
+/// along x and rises along z.
+static double worst_angle(test_state* test, float* positions, uint32_t count, double rise,
+                          float radius)
+{
+    static float normals[3 * POINTS];
+    stp_context* context = test_context(NULL, 2, NULL);
+    memset(normals, 0, sizeof(normals));
+    stp_candidates candidates = {.count = count, .positions = positions, .normals = normals};
+    CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &candidates, radius));
+    stp_context_destroy(context);
+    double least = 1.0, length = sqrt(1.0 + rise * rise);
+    for (size_t i = 0; i < count; ++i) {
+        double along = (double)normals[3 * i + 1] - rise * (double)normals[3 * i + 2];
+        least = fmin(least, fabs(along) / length);
+    }
+    return acos(least) * 180.0 / STP_PI;
+}
+
+// Rings of a scanner on a slope, with noise: the points within the first radius are in a line.
+void test_point_normals_of_rings_are_those_of_the_slope(test_state* test)
+{
+    static float positions[3 * POINTS];
+    uint32_t count = 0;
+    for (int ring = 0; ring < 6; ++ring) {
+        double distance = 10.0 + 1.5 * ring;
+        for (int i = 0; i < 400; ++i, ++count) {
+            double turn = 2.0 * STP_PI * i / 400.0;
+            double x = distance * cos(turn), z = distance * sin(turn);
+            double noise = 0.02 * ((double)random_float(3, count) - 0.5);
+            const float p[3] = {(float)x, (float)(0.2 * z + noise), (float)z};
+            memcpy(positions + 3 * (size_t)count, p, sizeof(p));
+        }
+    }
+    CHECK(worst_angle(test, positions, count, 0.2, 0.6f) < 4.0);
+}
+
+// A line without any neighbours has normals across it.
+void test_point_normals_of_a_wire_are_across_it(test_state* test)
+{
+    static float positions[3 * POINTS], normals[3 * POINTS];
+    stp_context* context = test_context(NULL, 1, NULL);
+    for (uint32_t i = 0; i < 300; ++i) {
+        const float p[3] = {0.1f * (float)i, 0.02f * random_float(4, i),
+                            0.02f * random_float(5, i)};
+        memcpy(positions + 3 * (size_t)i, p, sizeof(p));
+    }
+    memset(normals, 0, sizeof(normals));
+    stp_candidates candidates = {.count = 300, .positions = positions, .normals = normals};
+    CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &candidates, 0.3f));
+    for (size_t i = 0; i < 300; ++i) {
+        const float* n = normals + 3 * i;
+        CHECK(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0f) < 1e-5f);
+        CHECK(fabsf(n[0]) < 0.2f);
+    }
+    stp_context_destroy(context);
+}

@@ -5,6 +5,7 @@
 #include "tests.h"
 
 #include "base/splats/coverage.h"
+#include "base/splats/prefix_table.h"
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
 #include "lod/psp/psp_set.h"
@@ -65,7 +66,7 @@ static void check_imply_their_forest(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, metric, 0, &s));
     CHECK_EQUAL(2 * SAMPLES - 1, s.count);
     CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
     CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
@@ -116,7 +117,7 @@ static void check_cover_at_every_level(test_state* test, stp_psp_metric metric)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metric, 0, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, metric, 0, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
@@ -168,7 +169,7 @@ void test_psp_sets_of_all_points_have_no_holes(test_state* test)
     from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
     from.set.table.radius[0] = 1e-4f;
     stp_splats s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, STP_PSP_REGIONS, 0, &s));
     uint32_t whole = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
         whole += s.coverages[i] == STP_COVERAGE_WHOLE;
@@ -206,14 +207,14 @@ void test_psp_sets_of_guessed_signs_merge_alike(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats known, guessed;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &known));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, STP_PSP_REGIONS, 0, &known));
     for (uint32_t i = 0; i < SAMPLES; ++i) {
         if (unit(9, i) < 0.5) {
             stp_vec3 n = stp_octahedral_decode(from.normals[2 * i], from.normals[2 * i + 1]);
             stp_octahedral_encode(stp_scale(n, -1.0f), from.normals + 2 * i);
         }
     }
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, true, STP_PSP_REGIONS, 0, &guessed));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, true, STP_PSP_REGIONS, 0, &guessed));
     CHECK_EQUAL(known.count, guessed.count);
     for (float level = 0.03f; level < 0.5f; level *= 1.5f) {
         uint32_t right = count_drawn(&known, level), drawn = count_drawn(&guessed, level);
@@ -232,8 +233,8 @@ void test_psp_sets_do_not_depend_on_threads(test_state* test)
     make_sphere(&from, SAMPLES);
     for (uint32_t i = 0; i < 3; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
-        CHECK_EQUAL(STP_OK,
-                    stp_psp_make(contexts[i], &from.set, false, STP_PSP_REGIONS, 0, &sets[i]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, NULL, false, STP_PSP_REGIONS, 0,
+                                         &sets[i]));
         CHECK(is_same(&sets[0], &sets[i]));
     }
     for (uint32_t i = 0; i < 3; ++i) {
@@ -256,7 +257,8 @@ void test_psp_sets_of_few_samples(test_state* test)
                 from.positions[i] = 7;
                 from.set.table.radius[0] = 0.0f;
             }
-            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &s));
+            CHECK_EQUAL(STP_OK,
+                        stp_psp_make(context, &from.set, NULL, false, STP_PSP_REGIONS, 0, &s));
             CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
             for (uint32_t i = 0; i < s.count; ++i) {
                 CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
@@ -277,7 +279,7 @@ void test_psp_sets_have_picture_levels_by_any_metric(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_splats sets[3];
     for (int k = 0; k < 3; ++k) {
-        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, metrics[k], 0, &sets[k]));
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, metrics[k], 0, &sets[k]));
     }
     for (int k = 1; k < 3; ++k) {
         CHECK(!is_same(&sets[0], &sets[k]));
@@ -301,11 +303,12 @@ void test_psp_sets_end_at_a_limit(test_state* test)
     CHECK(context != NULL);
     make_sphere(&from, SAMPLES);
     stp_splats whole, s;
-    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, 0, &whole));
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, NULL, false, STP_PSP_REGIONS, 0, &whole));
     for (uint32_t limit = 1; limit < 2 * SAMPLES; limit *= 3) {
         uint32_t order[2 * SAMPLES], scratch[2 * SAMPLES], leaves = 0;
         uint32_t count = limit < SAMPLES ? 2 * limit - 1 : whole.count;
-        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, false, STP_PSP_REGIONS, limit, &s));
+        CHECK_EQUAL(STP_OK,
+                    stp_psp_make(context, &from.set, NULL, false, STP_PSP_REGIONS, limit, &s));
         CHECK_EQUAL(count, s.count);
         CHECK_EQUAL(count, s.octave_ends[s.octave_count - 1]);
         CHECK_EQUAL((count + 1) / 2 - 1, stp_progressive_order(s.ranges, count, order, scratch));
@@ -342,8 +345,8 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
             stp_splats s = {0};
             if (context != NULL) {
                 // of one metric, a part of the splats
-                made = stp_psp_make(context, &from.set, false, metrics[k], k == 0 ? 20 : 0, &s) ==
-                           STP_OK &&
+                made = stp_psp_make(context, &from.set, NULL, false, metrics[k], k == 0 ? 20 : 0,
+                                    &s) == STP_OK &&
                        heap.count <= n;
                 stp_splats_destroy(context, &s);
             }
@@ -382,4 +385,28 @@ void test_psp_regions_find_their_ellipse(test_state* test)
     CHECK(fabs((double)e.normal.x - 1.0) < 1e-6);
     CHECK(fabs((double)fabsf(e.major.y) - (double)major) < 0.02 * (double)major);
     CHECK(fabs((double)e.minor - (double)minor) < 0.02 * (double)minor);
+}
+
+// Points of a scan have radii of their own: samples that are drawn by themselves have these.
+void test_psp_samples_have_the_radii_of_their_points(test_state* test)
+{
+    static samples from;
+    const stp_shading shadings[3] = {{.growth = 0.0f}, {.growth = 1.0f}, {.growth = -0.5f}};
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    from.set.candidate_radius = 0.05f;
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, shadings, false, STP_PSP_REGIONS, 0, &s));
+    float reach = stp_prefix_table_radius(&from.set.table, from.set.count);
+    uint32_t leaves = 0;
+    for (uint32_t i = 0; i < s.count; ++i) {
+        float radius = stp_shape_radius(s.shapes[i] & 0xFFFu) * s.step;
+        float own = reach + 0.05f * (1.0f + shadings[s.materials[i]].growth);
+        leaves += (s.ranges[i] & 0xFFFFu) == 0 ? 1 : 0;
+        CHECK((s.ranges[i] & 0xFFFFu) != 0 || fabsf(radius - own) < 0.03f * own + s.step);
+    }
+    CHECK_EQUAL(SAMPLES, leaves);
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
 }

@@ -203,3 +203,25 @@ void test_spt_sets_survive_failing_allocator(test_state* test)
     }
     CHECK(made && failures > 15);
 }
+
+// Points of a scan have radii of their own: leaves are drawn with these.
+void test_spt_leaves_have_the_radii_of_their_points(test_state* test)
+{
+    static samples from;
+    const stp_shading shadings[3] = {{.growth = 0.0f}, {.growth = 1.0f}, {.growth = -0.5f}};
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_samples(&from);
+    from.set.candidate_radius = 0.05f;
+    stp_spt_desc desc = {.tree = stp_method_options_default().tree, .shadings = shadings};
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
+    float reach = stp_prefix_table_radius(&from.set.table, from.set.count);
+    for (uint32_t i = 0; i < s.count; ++i) {
+        float radius = stp_shape_radius(s.shapes[i] & 0xFFFu) * s.step;
+        float own = reach + 0.05f * (1.0f + shadings[s.materials[i]].growth);
+        CHECK((s.ranges[i] & 0xFFFFu) != 0 || fabsf(radius - own) < 0.03f * own + s.step);
+    }
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
+}

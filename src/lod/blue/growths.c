@@ -24,6 +24,7 @@ enum {
 #define STEEP_WITHIN 0.8f // where steep neighbours count, in sides of a cell
 #define CLOSED 3.0f       // a cell that reaches less far there is closed, in covered distances
 #define HOLE 2.0f         // how far it then counts
+#define ENCLOSED 5.0f     // a cell that reaches less far to all sides, in covered distances
 #define TOLERANCE 1.06f   // radii that are this much too small are good enough
 
 _Static_assert(27 * COARSE_POINTS + STP_GROWTH_LANES <= STP_AROUND_MAX, "neighbours fit");
@@ -221,6 +222,7 @@ static gap_search make_search(const stp_growth_desc* desc, uint8_t* growths)
                     .limits = {.plain = plain,
                                .closed = 1.0f / (CLOSED * plain),
                                .hole = HOLE * plain,
+                               .enclosed = 1.0f / (ENCLOSED * plain),
                                .most = desc->covered + desc->radius * factors[STP_GROWTHS - 1]},
                     .growths = growths};
     for (uint32_t i = 0; i < STP_GROWTHS; ++i) {

@@ -37,7 +37,8 @@ typedef struct stp_growth_desc {
 /// Finds how far the surface reaches around each point: the farthest corner of its cell in the
 /// Voronoi diagram of its neighbours in its tangent plane. In a direction in which the cell reaches
 /// more than 1.3 times as far as on the opposite side, it counts at most `covered` + `radius`, so
-/// that borders stay where they are; twice that where the cell is closed on that side. At most
+/// that borders stay where they are; twice that where the cell is closed on that side. A cell that
+/// is closed on all sides may reach twice as far as on the opposite one. At most
 /// `covered` plus the largest factor times `radius` is found, and at most two factors above the
 /// median of the other points of its cell of a grid.
 /// @param growths result: an index for each point: the smallest factor that reaches as far

@@ -25,6 +25,7 @@ _Static_assert(STP_GROWTH_LANES % LANES == 0, "lists are read in whole vectors")
 #define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
 #define BETWEEN 1.05f  // corners of a cell may lie between two directions
 #define ONE_SIDED 1.3f // how much farther a cell may reach than on its opposite side
+#define INNER_SIDED 2.0f // the same for an enclosed cell
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
@@ -178,10 +179,11 @@ static float reach(const stp_cell_limits* limits, const stp_plane_cell* cell)
     memcpy(ring + DIRECTIONS, cell->nearness, sizeof(cell->nearness));
     const float *own = ring + DIRECTIONS / 2, *opposite = ring + DIRECTIONS;
     stp_cell_limits l = *limits;
+    float sided = cell->least >= l.enclosed ? INNER_SIDED : ONE_SIDED;
 #pragma GCC unroll 1
     for (int k = 0; k < DIRECTIONS; ++k) { // compiled to vectors, unless it is unrolled first
         float beside = stp_min(own[k - 1], own[k + 1]);
-        float distance = BETWEEN / own[k], other = ONE_SIDED / opposite[k];
+        float distance = BETWEEN / own[k], other = sided / opposite[k];
         float limit = stp_min(own[k], beside) >= l.closed ? l.hole : l.plain;
         distance = own[k] > 0.0f ? distance : INFINITY;
         other = opposite[k] > 0.0f ? other : 0.0f;

@@ -33,7 +33,8 @@ typedef struct stp_cell_limits {
     float plain;  ///< where nothing is opposite
     float closed; ///< nearness from which a direction is closed
     float hole;   ///< how far it then counts
-    float most;   ///< how far any direction counts
+    float enclosed; ///< least nearness from which a cell has no border of the surface
+    float most;     ///< how far any direction counts
 } stp_cell_limits;
 
 typedef struct stp_growth_kernels {

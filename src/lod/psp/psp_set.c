@@ -29,6 +29,7 @@ enum { GRAIN = 1024 }; ///< splats per piece of a parallel loop
 typedef struct psp_maker {
     stp_context* context;
     const stp_splats* samples;
+    const stp_shading* shadings; ///< of the samples, for their growths; NULL: none
     stp_psp_metric metric;
     bool two_sided;
     uint32_t limit; ///< of splats in a state; 0: none
@@ -125,7 +126,8 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
             stp_octahedral_encode(e->normal, s->normals + 2 * at);
             fill_merged(m, splat, (uint32_t)at);
         } else { // samples are unchanged
-            float radius = m->points.points.radius / s->step;
+            const float* radii = m->points.radii;
+            float radius = (radii != NULL ? radii[splat] : m->points.points.radius) / s->step;
             memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)splat,
                    3 * sizeof(uint16_t));
             memcpy(s->normals + 2 * at, m->samples->normals + 2 * (size_t)splat, 2);
@@ -158,7 +160,7 @@ static void find_materials(const psp_maker* m)
 static stp_result make(psp_maker* m)
 {
     stp_splats* s = m->splats;
-    stp_result result = stp_method_samples_take(m->context, m->samples, &m->points);
+    stp_result result = stp_method_samples_take(m->context, m->samples, m->shadings, &m->points);
     result = result == STP_OK ? make_forest(m) : result;
     result =
         result == STP_OK ? stp_psp_sequence_make(m->context, &m->forest, &m->sequence) : result;
@@ -192,11 +194,13 @@ static stp_result make(psp_maker* m)
     return result;
 }
 
-stp_result stp_psp_make(stp_context* context, const stp_splats* samples, bool two_sided,
-                        stp_psp_metric metric, uint32_t limit, stp_splats* splats)
+stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
+                        const stp_shading* shadings, bool two_sided, stp_psp_metric metric,
+                        uint32_t limit, stp_splats* splats)
 {
     psp_maker m = {.context = context,
                    .samples = samples,
+                   .shadings = shadings,
                    .metric = metric,
                    .two_sided = two_sided,
                    .limit = limit,

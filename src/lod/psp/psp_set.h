@@ -19,10 +19,11 @@ enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT
 /// from each other may then be merged
 /// @param metric which pairs are merged, and the ellipses of merges. Ranges are differences of
 /// pictures with any metric (region.h)
+/// @param shadings of the samples: a sample that is drawn by itself has its growth; NULL: none
 /// @param limit the finest state has at most this many splats, or those of the base set where they
 /// are more; 0: no limit
 /// @param splats arrays come from stp_alloc
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
-                                     bool two_sided, stp_psp_metric metric, uint32_t limit,
-                                     stp_splats* splats);
+                                     const stp_shading* shadings, bool two_sided,
+                                     stp_psp_metric metric, uint32_t limit, stp_splats* splats);

@@ -144,7 +144,7 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 static stp_result make(spt_maker* m, const stp_spt_desc* desc)
 {
     stp_splats* s = m->splats;
-    stp_result result = stp_method_samples_take(m->context, m->samples, &m->points);
+    stp_result result = stp_method_samples_take(m->context, m->samples, desc->shadings, &m->points);
     result = result == STP_OK ? make_tree(m, &desc->tree) : result;
     result = result == STP_OK ? make_nodes(m, desc) : result;
     s->origin = m->samples->origin;

@@ -14,12 +14,13 @@ enum {
 
 typedef struct stp_spt_desc {
     stp_tree_desc tree;
-    const float* corners; ///< 9 floats per large triangle of the node (node_splats.h)
+    const stp_shading* shadings; ///< of the samples, for their growths; NULL: none
+    const float* corners;        ///< 9 floats per large triangle of the node (node_splats.h)
     uint32_t triangle_count;
 } stp_spt_desc;
 
 /// Makes the splats of a node from its evenly spaced samples, a set of method `blue`. Each surfel
-/// becomes a leaf with the size at which it is drawn. Ranges and the prefix table hold half errors:
+/// becomes a leaf with the size at which it is drawn, with its growth. Ranges and the prefix table hold half errors:
 /// a splat is drawn if the requested radius lies in its range. Splats are sorted by descending
 /// highest level, and between two breakpoints of the table by direction and position. Leaves count
 /// as exact; beyond the table's last radius the samples are too sparse. A splat is marked as

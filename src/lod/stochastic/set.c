@@ -165,7 +165,7 @@ static stp_result find_features(set_maker* m, const stp_leaf_points* points)
 
 typedef struct leaf_normals {
     const set_maker* maker;
-    uint8_t* missing; ///< by candidate: 1 if it has no normal yet
+    uint8_t* missing; ///< by candidate: STP_NORMAL_*
 } leaf_normals;
 
 /// Gives points without normals those of their leaves, if these have a plane.
@@ -179,9 +179,9 @@ static void take_leaf_normals(size_t begin, size_t end, uint32_t worker, void* u
         const stp_leaf_properties* f = &m->properties[i];
         for (uint32_t at = leaf->begin; at < leaf->end && f->known; ++at) {
             uint32_t point = m->octree.order[at];
-            if (l->missing[point] != 0) {
+            if (l->missing[point] == STP_NORMAL_NONE) {
                 memcpy(m->candidates->normals + 3 * (size_t)point, &f->normal, sizeof(f->normal));
-                l->missing[point] = 0;
+                l->missing[point] = STP_NORMAL_KNOWN;
             }
         }
     }
@@ -443,7 +443,7 @@ stp_result stp_stochastic_make_of_samples(stp_context* context, const stp_splats
     stp_candidates candidates = {.count = samples->count,
                                  .set_count = samples->count,
                                  .surface_radius = (double)samples->candidate_radius};
-    stp_result result = stp_method_samples_take(context, samples, &taken);
+    stp_result result = stp_method_samples_take(context, samples, NULL, &taken);
     candidates.colors = STP_NEW_ARRAY(context, uint8_t, 4 * (size_t)samples->count);
     candidates.materials = STP_NEW_ARRAY(context, uint32_t, samples->count);
     if (result == STP_OK && (candidates.colors == NULL || candidates.materials == NULL)) {
