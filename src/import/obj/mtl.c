@@ -268,6 +268,8 @@ static stp_result read_line(mtl* m, stp_text at)
         return read_texture(m, word, &m->material.base_color_texture);
     } else if (stp_word_is(at, word, "map_ke")) {
         return read_texture(m, word, &m->material.emissive_texture);
+    } else if (stp_word_is(at, word, "norm") || stp_word_is(at, word, "map_kn")) {
+        return read_texture(m, word, &m->material.normal_texture);
     } else if (stp_word_is(at, word, "map_d")) {
         map_options options;
         stp_result result = read_map(m, word, &options);
