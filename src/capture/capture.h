@@ -140,8 +140,8 @@ STP_MUST_USE stp_result stp_capture_count_all(const stp_scene* scene,
                                               stp_capture_count* count);
 void stp_candidates_destroy(stp_context* context, stp_candidates* candidates);
 
-/// The scene must outlive them. @param colors_only without those of roughness, metal, emission and
-/// normals: enough for stp_capture_triangle_color, not for a capture
+/// The scene must outlive them. @param colors_only without those of roughness, metal and emission:
+/// enough for stp_capture_triangle_color, not for a capture
 STP_MUST_USE stp_result stp_capture_textures_create(const stp_scene* scene, bool colors_only,
                                                     stp_capture_textures** textures);
 void stp_capture_textures_destroy(stp_capture_textures* textures);

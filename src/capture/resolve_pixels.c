@@ -2,17 +2,12 @@
 // Second half of a capture: from covered pixels to candidates.
 #include "base/math/color.h"
 #include "capture/capture_internal.h"
-#include "raster/normal_map.h"
 #include "scene/looks.h"
 
 #include <assert.h>
 #include <string.h>
 
 enum { RESOLVE_GRAIN = 4096 };
-
-/// Tangent of the largest angle by which a normal map turns a candidate's normal. Disks lie across
-/// their normals, and orders and grids tell sides apart by them, so it stays below 45 degrees.
-#define STEEPEST 0.9f
 
 typedef struct resolve_state {
     const stp_capture_job* job;
@@ -28,8 +23,6 @@ typedef struct current_part {
     const stp_mesh* mesh; ///< NULL: a point set
     const stp_point_set* points;
     uint32_t material;
-    bool mirrored;    ///< the placement is
-    bool mapped;      ///< has a normal map
     bool plain;       ///< one colour everywhere: `color`
     uint8_t color[4]; ///< sRGB
 } current_part;
@@ -74,7 +67,6 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
     current->part = low;
     current->placement = stp_capture_placement(job, low);
     stp_affine_normal_matrix(&current->placement, current->normal_matrix);
-    current->mirrored = stp_affine_determinant(&current->placement) < 0.0;
     bool is_mesh = which.kind == STP_PART_MESH;
     current->mesh = is_mesh ? &job->scene->meshes[which.index] : NULL;
     current->points = is_mesh ? NULL : &job->scene->point_sets[which.index];
@@ -83,9 +75,6 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
     const stp_texture_use* use = &material->base_color_texture;
     bool textured =
         use->texture < job->scene->texture_count && job->pyramids[use->texture].level_count != 0;
-    use = &material->normal_texture;
-    current->mapped = is_mesh && use->texture < job->scene->texture_count &&
-                      job->surfaces[use->texture].level_count != 0;
     current->plain = is_mesh && current->mesh->colors == NULL && !textured;
     encode_color(material, material->base_color, current->color);
 }
@@ -139,24 +128,16 @@ static stp_vec3d turn_normal(const double m[3][3], const float* n)
                        m[2][0] * x + m[2][1] * y + m[2][2] * z};
 }
 
-typedef struct seen_normal {
-    stp_vec3d normal; ///< unit, on the side of the triangle that faces the viewer
-    stp_vec3d side;   ///< of the triangle itself, likewise
-    bool behind;      ///< the mesh's own normal points to the other side
-} seen_normal;
-
 /// Interpolated normal, on the side of the triangle that faces the viewer. The triangle decides the
 /// side: near a silhouette, the vertex normals of a coarse mesh may face away although its front is
 /// visible.
-static seen_normal triangle_normal(const stp_capture_view* view, const current_part* part,
-                                   const seen_triangle* t)
+static stp_vec3d triangle_normal(const stp_capture_view* view, const current_part* part,
+                                 const seen_triangle* t)
 {
     stp_vec3d flat = stp_normalized(stp_crossd(stp_subd(t->position[1], t->position[0]),
                                                stp_subd(t->position[2], t->position[0])));
-    bool turned = stp_dotd(flat, view->toward) < 0.0;
-    flat = turned ? stp_scaled(flat, -1.0) : flat;
+    flat = stp_dotd(flat, view->toward) < 0.0 ? stp_scaled(flat, -1.0) : flat;
     bool is_line = !(stp_dotd(flat, flat) > 0.0);
-    stp_vec3d side = is_line ? view->toward : flat;
     if (part->mesh->normals != NULL) {
         float n[3] = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) {
@@ -166,13 +147,13 @@ static seen_normal triangle_normal(const stp_capture_view* view, const current_p
             }
         }
         stp_vec3d normal = stp_normalized(turn_normal(part->normal_matrix, n));
-        bool behind = stp_dotd(normal, side) < 0.0;
-        normal = behind ? stp_scaled(normal, -1.0) : normal;
+        stp_vec3d side = is_line ? view->toward : flat;
+        normal = stp_dotd(normal, side) < 0.0 ? stp_scaled(normal, -1.0) : normal;
         if (stp_dotd(normal, normal) > 0.5) { // neither zero nor NaN
-            return (seen_normal){normal, side, behind};
+            return normal;
         }
     }
-    return (seen_normal){side, side, turned != part->mirrored};
+    return is_line ? view->toward : flat;
 }
 
 /// Longer side of a pixel's footprint in the texture, in texels.
@@ -209,38 +190,6 @@ static bool sample(const stp_mesh* mesh, const stp_texture_use* use,
     *at = (stp_vec2){(float)u, (float)v};
     stp_texture_sample(pyramid, *at, texture_footprint(t, pyramid, uv), texel);
     return true;
-}
-
-/// The normal as the map of the material turns it, on the same side of the triangle.
-static stp_vec3d map_normal(const stp_capture_job* job, const current_part* part,
-                            const seen_triangle* t, const seen_normal* seen)
-{
-    const stp_material* material = &job->scene->materials[part->material];
-    const stp_texture_use* use = &material->normal_texture;
-    float texel[4], along[2][2];
-    stp_vec3 edges[2];
-    stp_vec2 at;
-    double uv[3][2];
-    if (!sample(part->mesh, use, &job->surfaces[use->texture], t, &at, texel)) {
-        return seen->normal;
-    }
-    for (int k = 0; k < 3; ++k) {
-        stp_capture_texcoord(part->mesh, use, t->corner[k], uv[k]);
-    }
-    for (int k = 0; k < 2; ++k) {
-        edges[k] = stp_to_float(stp_subd(t->position[k + 1], t->position[0]));
-        along[k][0] = (float)(uv[k + 1][0] - uv[0][0]);
-        along[k][1] = (float)(uv[k + 1][1] - uv[0][1]);
-    }
-    stp_tangents tangents;
-    if (!stp_tangents_find(edges, (const float(*)[2])along, &tangents)) {
-        return seen->normal;
-    }
-    double sign = seen->behind ? -1.0 : 1.0;
-    stp_vec3 own = stp_to_float(stp_scaled(seen->normal, sign));
-    stp_vec3 turned = stp_normal_map_apply(&tangents, own, texel, material->normal_scale, STEEPEST);
-    stp_vec3d normal = stp_normalized(stp_scaled(stp_to_double(turned), sign));
-    return stp_dotd(normal, seen->side) > 0.0 ? normal : seen->normal;
 }
 
 /// The material, or its variant that has the roughness, metal and emission there.
@@ -361,8 +310,7 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
     for (int k = 0; k < 3; ++k) {
         position = stp_addd(position, stp_scaled(t.position[k], t.weight[k]));
     }
-    seen_normal seen = triangle_normal(view, part, &t);
-    store(out, i, position, part->mapped ? map_normal(job, part, &t, &seen) : seen.normal);
+    store(out, i, position, triangle_normal(view, part, &t));
     out->materials[i] = triangle_material(job, part, &t);
     uint8_t* bytes = out->colors + 4 * i;
     if (part->plain) {
