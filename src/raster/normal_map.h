@@ -24,8 +24,8 @@ bool stp_tangents_find(const stp_vec3 edges[2], const float uv[2][2], stp_tangen
 /// @param normal unit length, in the space of the tangents, on either side of the triangle
 /// @param texel of the map, mean of some texels; 3 values
 /// @param scale factor of its first two
-/// @param steepest tangent of the largest angle to `normal`; above 0, may be infinite
-/// @return unit length; `normal` itself if the texel or the tangents give no direction. Never more
-/// than a right angle from it.
+/// @param eye unit length, towards the eye. If the surface faces it, so does the result, and
+/// likewise if it faces away: light takes a normal that faces away for that of the other side.
+/// @return unit length; `normal` itself if the texel or the tangents give no direction
 stp_vec3 stp_normal_map_apply(const stp_tangents* tangents, stp_vec3 normal, const float texel[3],
-                              float scale, float steepest);
+                              float scale, stp_vec3 eye);

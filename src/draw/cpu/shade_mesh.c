@@ -338,27 +338,24 @@ static void sample_texture(const stp_cpu_triangle* triangle, const stp_store_tex
 /// Turns the normal of a pixel by the normal map.
 static void map_normal(const stp_cpu_item* item, const stp_cpu_triangle* triangle,
                        const stp_tangents* tangents, const float weight[3], float pixel_size,
-                       float normal[3])
+                       stp_vec3 eye, float normal[3])
 {
     const stp_store_material* material = item->material;
     float texel[4];
     sample_texture(triangle, &material->normal_texture, item->normal_map, weight, pixel_size,
                    texel);
     stp_vec3 own = stp_normalize((stp_vec3){normal[0], normal[1], normal[2]});
-    stp_vec3 turned = stp_normal_map_apply(tangents, own, texel, material->normal_scale, HUGE_VALF);
+    stp_vec3 turned = stp_normal_map_apply(tangents, own, texel, material->normal_scale, eye);
     memcpy(normal, (const float[3]){turned.x, turned.y, turned.z}, 3 * sizeof(float));
 }
 
 /// Applies textures to a pixel.
-static void texture_pixel(const stp_cpu_renderer* r, const stp_cpu_item* item,
-                          const stp_cpu_triangle* triangle, const mixed_triangle* mixed,
-                          const float weight[3], float nearness, stp_cpu_shade_surface* out)
+static void texture_pixel(const stp_cpu_item* item, const stp_cpu_triangle* triangle, float density,
+                          const float weight[3], float pixel_size, stp_cpu_shade_surface* out)
 {
     const stp_store_material* material = item->material;
-    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
-    float pixel_size = depth / (item->camera.pixel_scale * item->scale);
     float texel[4];
-    stp_cpu_mesh_color(item, triangle, weight, mixed->density * pixel_size, texel);
+    stp_cpu_mesh_color(item, triangle, weight, density * pixel_size, texel);
     memcpy(out->color, texel, sizeof(out->color));
     if (item->metallic_roughness != NULL) {
         sample_texture(triangle, &material->metallic_roughness_texture, item->metallic_roughness,
@@ -375,9 +372,13 @@ static void texture_pixel(const stp_cpu_renderer* r, const stp_cpu_item* item,
             out->material.emissive[k] *= texel[k];
         }
     }
-    if (mixed->has_tangents) {
-        map_normal(item, triangle, &mixed->tangents, weight, pixel_size, out->normal);
-    }
+}
+
+/// Size of a pixel at its depth, in item units.
+static float pixel_size_at(const stp_cpu_renderer* r, const stp_cpu_item* item, float nearness)
+{
+    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
+    return depth / (item->camera.pixel_scale * item->scale);
 }
 
 /// Corner weights at a run's first pixel, and their change per pixel.
@@ -427,8 +428,13 @@ void stp_cpu_make_pixel_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory
         memcpy(out->normal, &normal, sizeof(normal));
         if (textured != NULL) {
             const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
-            texture_pixel(r, item, textured, mixed, weight, near.factor * nearness[i] + near.shift,
-                          out);
+            float size = pixel_size_at(r, item, near.factor * nearness[i] + near.shift);
+            texture_pixel(item, textured, mixed->density, weight, size, out);
+            if (mixed->has_tangents) {
+                stp_vec3 eye =
+                    stp_normalize(stp_cpu_toward_eye(r, (double)(x + i) + 0.5, (double)y + 0.5));
+                map_normal(item, textured, &mixed->tangents, weight, size, eye, out->normal);
+            }
         }
     }
 }

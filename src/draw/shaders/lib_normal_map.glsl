@@ -1,15 +1,24 @@
 // Normal maps, the same as src/raster/normal_map.c and src/draw/cpu/shade_mesh.c.
 #include "lib_texture.glsl"
 #include "lib_light.glsl"
+#include "lib_eye.glsl"
 
 vec3 to_scene(const item_block item, vec3 n)
 {
     return vec3(dot(item.normal[0].xyz, n), dot(item.normal[1].xyz, n), dot(item.normal[2].xyz, n));
 }
 
+// Keeps a turned normal on the side of the surface that is seen.
+vec3 keep_side(vec3 turned, vec3 normal, vec3 eye)
+{
+    float side = dot(normal, eye) < 0.0 ? -1.0 : 1.0, facing = side * dot(turned, eye);
+    return facing < 0.02 ? unit(turned + eye * (side * (0.02 - facing))) : turned;
+}
+
 // A unit normal of the scene, turned by a texel. Placements keep angles, so what turns normals turns
 // tangents, too.
-vec3 map_normal(const item_block item, const triangle_place t, const vec3 position[3], vec3 normal, vec3 texel)
+vec3 map_normal(const item_block item, const triangle_place t, const vec3 position[3], vec3 normal, vec3 texel,
+                ivec2 pixel)
 {
     vec4 first = materials[item.material].uses[6], second = materials[item.material].uses[7];
     uint set = uint(first.w);
@@ -30,6 +39,7 @@ vec3 map_normal(const item_block item, const triangle_place t, const vec3 positi
     right = unit(right - normal * dot(right, normal));
     vec3 above = cross(normal, right);
     slope.y = dot(above, to_scene(item, up)) < 0.0 ? -slope.y : slope.y; // mirrored coordinates
-    vec3 bent = slope.x * right + slope.y * above + slope.z * normal;
-    return dot(right, right) > 0.0 && dot(bent, bent) > 0.0 ? unit(bent) : normal;
+    vec3 turned_normal = slope.x * right + slope.y * above + slope.z * normal;
+    bool told = dot(right, right) > 0.0 && dot(turned_normal, turned_normal) > 0.0;
+    return told ? keep_side(unit(turned_normal), normal, unit(to_eye(vec2(pixel) + 0.5))) : normal;
 }

@@ -170,7 +170,7 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
             vec4 numbers = materials[item.material].numbers;
             s.light = make_light(numbers.x * texel.z, numbers.y * texel.y, s.light.emissive);
         } else if (n == 3u) {
-            s.normal = map_normal(item, t, position, unit(s.normal), texel.rgb);
+            s.normal = map_normal(item, t, position, unit(s.normal), texel.rgb, pixel);
         } else {
             s.light.emissive.rgb *= texel.rgb;
         }
