@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Normal maps of materials: written if there are any, read back, and refused if invalid.
+#include "support_reseal.h"
 #include "tests.h"
 
 #include "draw/support_store.h"
@@ -9,6 +10,9 @@
 #include "store/file/tables.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 static uint8_t texel[4] = {128, 128, 255, 255};
 
@@ -91,4 +95,58 @@ void test_invalid_normal_maps_are_refused(test_state* test)
         stp_store_close(store);
         stp_context_destroy(context);
     }
+}
+
+/// Bytes of the file of a scene with normal maps; free them. NULL on failure.
+static unsigned char* make_file(stp_context* context, size_t* size)
+{
+    static made_scene scene;
+    int file = -1;
+    make_scene(&scene, true);
+    stp_store_close(made_open_file(context, &scene, &file));
+    off_t end = file >= 0 ? lseek(file, 0, SEEK_END) : 0;
+    unsigned char* bytes = malloc((size_t)end + 1);
+    bool read = bytes != NULL && end > 0 && pread(file, bytes, (size_t)end, 0) == end;
+    if (file >= 0) {
+        close(file);
+    }
+    *size = (size_t)end;
+    if (!read) {
+        free(bytes);
+    }
+    return read ? bytes : NULL;
+}
+
+static stp_result open_bytes(stp_context* context, const unsigned char* bytes, size_t size)
+{
+    stp_store* store = NULL;
+    stp_result result =
+        stp_store_open_memory(context, "maps", bytes, size, &(stp_store_open_desc){0}, &store);
+    stp_store_close(store);
+    return result;
+}
+
+void test_damaged_normal_maps_are_refused(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    size_t size = 0;
+    unsigned char* bytes = make_file(context, &size);
+    CHECK(bytes != NULL && open_bytes(context, bytes, size) == STP_OK);
+    unsigned char* entry = find_section(bytes, STP_SECTION_NORMAL_MAPS);
+    CHECK(entry != NULL && stp_read_u64(entry + 16) == 80); // not packed
+    size_t first = (size_t)stp_read_u64(entry + 8);
+    for (size_t i = first; i < first + 80; ++i) { // checksums
+        bytes[i] ^= 0x10;
+        CHECK(open_bytes(context, bytes, size) != STP_OK);
+        bytes[i] ^= 0x10;
+    }
+    for (size_t cut = 0; cut < first + 81; ++cut) { // it ends early
+        unsigned char* part = malloc(cut + 1);
+        CHECK(part != NULL);
+        memcpy(part, bytes, cut);
+        CHECK(open_bytes(context, part, cut) != STP_OK);
+        free(part);
+    }
+    free(bytes);
+    stp_context_destroy(context);
 }
