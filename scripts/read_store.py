@@ -63,6 +63,7 @@ RECORDS = {
     45: ("level_figures", "3Q", "levels triangles bytes"),
     46: ("sides", "2IQ", "flags inverted triangles"),
     47: ("growths", "f", "growth"),
+    48: ("normal_maps", "If2I6f", "material scale texture:8"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -229,6 +230,13 @@ def check_graph(header, t):
         for use in ("base_color_texture", "metallic_roughness_texture", "emissive_texture"):
             check_reference(material[use][0], counts["textures"], f"material {i}: {use}")
             need(material[use][1] <= 1, f"material {i}: texcoord")
+    last = -1
+    for i, normal_map in enumerate(t["normal_maps"]):
+        check_reference(normal_map["material"], counts["materials"], f"normal map {i}: material", False)
+        check_reference(normal_map["texture"][0], counts["textures"], f"normal map {i}: texture", False)
+        need(last < normal_map["material"] and normal_map["texture"][1] <= 1 and normal_map["scale"] != 0,
+             f"normal map {i}")
+        last = normal_map["material"]
     need(counts["growths"] in (0, counts["shadings"]), "growths")
     need(all(-1 < s["growth"] <= 63 for s in t["growths"]), "growths")
     need(counts["shadings"] <= 256 and all(s["flags"] <= 7 for s in t["shadings"]), "shadings")

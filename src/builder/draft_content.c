@@ -265,6 +265,7 @@ static bool drop_textures(stp_build_content* c)
         materials[i].base_color_texture.texture = STP_STORE_NONE;
         materials[i].metallic_roughness_texture.texture = STP_STORE_NONE;
         materials[i].emissive_texture.texture = STP_STORE_NONE;
+        materials[i].normal_scale = 0.0f;
     }
     d->materials = materials;
     d->texture_count = 0;

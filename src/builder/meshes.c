@@ -28,7 +28,7 @@ uint32_t stp_material_texcoords(const stp_material* material)
 {
     const stp_texture_use* uses[] = {&material->base_color_texture,
                                      &material->metallic_roughness_texture,
-                                     &material->emissive_texture};
+                                     &material->emissive_texture, &material->normal_texture};
     uint32_t sets = 0;
     for (size_t i = 0; i < sizeof(uses) / sizeof(uses[0]); ++i) {
         if (uses[i]->texture != STP_NONE) {

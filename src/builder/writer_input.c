@@ -167,6 +167,8 @@ static bool convert_materials(stp_build_content* c, const stp_scene* scene,
             .base_color_texture = convert_use(&m->base_color_texture),
             .metallic_roughness_texture = convert_use(&m->metallic_roughness_texture),
             .emissive_texture = convert_use(&m->emissive_texture),
+            .normal_texture = convert_use(&m->normal_texture),
+            .normal_scale = m->normal_texture.texture != STP_NONE ? m->normal_scale : 0.0f,
         };
         memcpy(out->base_color, m->base_color, sizeof(out->base_color));
         memcpy(out->emissive, m->emissive, sizeof(out->emissive));

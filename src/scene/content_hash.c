@@ -106,7 +106,12 @@ stp_hash stp_material_hash(const stp_scene* scene, const stp_material* material)
     hash = hash_floats(hash, numbers, sizeof(numbers) / sizeof(numbers[0]));
     hash = hash_texture_use(hash, scene, &material->base_color_texture);
     hash = hash_texture_use(hash, scene, &material->metallic_roughness_texture);
-    return hash_texture_use(hash, scene, &material->emissive_texture);
+    hash = hash_texture_use(hash, scene, &material->emissive_texture);
+    if (material->normal_texture.texture != STP_NONE) { // materials without one keep their hash
+        hash = hash_texture_use(hash, scene, &material->normal_texture);
+        hash = hash_floats(hash, &material->normal_scale, 1);
+    }
+    return hash;
 }
 
 // Hashed record of a part or an edge; no padding.

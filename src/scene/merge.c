@@ -90,6 +90,7 @@ static void drop_textures(merging* m)
         remap_texture(m, &scene->materials[i].base_color_texture);
         remap_texture(m, &scene->materials[i].metallic_roughness_texture);
         remap_texture(m, &scene->materials[i].emissive_texture);
+        remap_texture(m, &scene->materials[i].normal_texture);
     }
 }
 

@@ -32,6 +32,8 @@ stp_material stp_material_default(void)
         .base_color_texture = stp_texture_use_none(),
         .metallic_roughness_texture = stp_texture_use_none(),
         .emissive_texture = stp_texture_use_none(),
+        .normal_texture = stp_texture_use_none(),
+        .normal_scale = 1.0f,
     };
 }
 
@@ -195,6 +197,9 @@ stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material
     assign_indices(index, scene->material_count);
     stp_material* kept = &scene->materials[scene->material_count++];
     *kept = *material;
+    if (material->unlit || material->normal_scale == 0.0f) { // a normal map would change nothing
+        kept->normal_texture = stp_texture_use_none();
+    }
     return keep_text(scene, &kept->name);
 }
 

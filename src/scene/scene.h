@@ -64,7 +64,10 @@ typedef struct stp_material {
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
-    stp_hash content; ///< hash of all visible properties and textures; set by stp_scene_finish
+    /// Linear, a normal map: red along u, green against v (up in the picture), blue outwards
+    stp_texture_use normal_texture;
+    float normal_scale; ///< factor of the map's red and green; not 0
+    stp_hash content;   ///< hash of all visible properties and textures; set by stp_scene_finish
 } stp_material;
 
 /// Encoding of a texture's `encoded` bytes; the numbers of `.stip` files.

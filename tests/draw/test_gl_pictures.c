@@ -177,8 +177,8 @@ static void add_materials(made_picture* p)
             .width = 16, .height = 16, .wrap_u = t, .wrap_v = 2 - t, .texels = texels[t]};
     }
     s->textures[2].nearest = 1;
-    s->material_count = 5;
-    for (uint32_t i = 0; i < 5; ++i) {
+    s->material_count = 6;
+    for (uint32_t i = 0; i < 6; ++i) {
         s->materials[i] = made_material();
         s->materials[i].base_color_texture.texture = i > 0 ? (i - 1) % 3 : STP_STORE_NONE;
         s->materials[i].base_color_texture.transform[0][0] = 1.7f;
@@ -189,9 +189,17 @@ static void add_materials(made_picture* p)
     s->materials[3].metallic_roughness_texture.texture = 1;
     s->materials[4].emissive_texture.texture = 2;
     s->materials[4].emissive[0] = s->materials[4].emissive[1] = 0.4f;
-    static const stp_vec3d places[] = {
-        {-1, 1, 0}, {1, 1, 0.5}, {0, 0, -1}, {-1, -1, 0.4}, {1, -1, 0}};
-    for (uint32_t i = 0; i < 5; ++i) {
+    s->materials[4].normal_scale = 0.7f; // with normals of corners, and without
+    s->materials[4].normal_texture.texture = 0;
+    s->materials[4].normal_texture.transform[0][0] =
+        s->materials[4].normal_texture.transform[1][1] = 1.0f;
+    s->materials[5].normal_scale = -1.0f;
+    s->materials[5].normal_texture.texture = 1;
+    s->materials[5].normal_texture.transform[0][1] = 1.0f; // mirrored
+    s->materials[5].normal_texture.transform[1][0] = 1.5f;
+    static const stp_vec3d places[] = {{-1, 1, 0},    {1, 1, 0.5}, {0, 0, -1},
+                                       {-1, -1, 0.4}, {1, -1, 0},  {0, 2, 0.2}};
+    for (uint32_t i = 0; i < 6; ++i) {
         made_picture_add(p, 0.3 * (double)i - 0.5, places[i], NULL);
         s->meshes[i].material = i;
         s->meshes[i].normals = i % 2 == 0 ? normals : NULL;

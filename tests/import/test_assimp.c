@@ -296,6 +296,7 @@ static void make_stream(stream* s)
     put(s, &material, sizeof(material));
     put_use(s, STP_ASSIMP_EMBEDDED, 0, "");
     put_use(s, STP_ASSIMP_PATH, 0, "missing.png");
+    put_use(s, STP_ASSIMP_EMBEDDED, 0, "");
     put_u32(s, 3); // meshes
     put_mesh(s, "shape", STP_ASSIMP_NORMALS | STP_ASSIMP_TEXCOORDS_0 | STP_ASSIMP_COLORS);
     put_mesh(s, "dust", STP_ASSIMP_POINTS | STP_ASSIMP_COLORS);
@@ -371,6 +372,8 @@ void test_assimp_stream(test_state* test)
     CHECK(material->base_color_texture.transform[1][1] == 2.0f);
     CHECK(material->base_color_texture.transform[1][2] == -1.25f);
     CHECK_EQUAL(STP_NONE, material->emissive_texture.texture);
+    CHECK_EQUAL(0, material->normal_texture.texture);
+    CHECK(material->normal_texture.transform[1][1] == 2.0f && material->normal_scale == 1.0f);
     CHECK_EQUAL(STP_WRAP_CLAMP, scene->textures[0].wrap_v);
     CHECK(scene->point_sets[0].colors[15] == 128);
     CHECK(scene->meshes[0].colors[15] == 32768);

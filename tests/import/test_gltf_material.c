@@ -235,6 +235,48 @@ void test_gltf_leaves_out_damaged_pictures(test_state* test)
     free(png);
 }
 
+void test_gltf_reads_normal_maps(test_state* test)
+{
+    size_t size = 0;
+    void* png = encode_png(&size);
+    const char* maps[] = {"'normalTexture':{'index':0}",
+                          "'normalTexture':{'index':0,'scale':-0.5,'texCoord':1,'extensions':{"
+                          "'KHR_texture_transform':{'scale':[2,3]}}}",
+                          "'normalTexture':{'index':0,'scale':0}",
+                          "'normalTexture':{'index':0,'scale':1e9}",
+                          "'extensions':{'KHR_materials_unlit':{}},'normalTexture':{'index':0}",
+                          "'emissiveTexture':{'index':0,'texCoord':1},'pbrMetallicRoughness':{"
+                          "'baseColorTexture':{'index':0}},"
+                          "'normalTexture':{'index':0,'texCoord':2}"};
+    for (int i = 0; i < 6; ++i) {
+        char json[1024];
+        snprintf(json, sizeof(json),
+                 "'images':[{'bufferView':0}],'textures':[{'source':0}],'materials':[{%s}]",
+                 maps[i]);
+        gltf_run run;
+        run_materials(&run, json, png, size);
+        CHECK_EQUAL(STP_OK, run.result);
+        const stp_material* m = &run.scene->materials[1];
+        CHECK((m->normal_texture.texture != STP_NONE) == (i < 2 || i == 3));
+        CHECK(m->normal_texture.texture == STP_NONE || m->normal_scale == (i == 1 ? -0.5f : 1.0f));
+        CHECK(i != 1 || m->normal_texture.transform[1][1] == 3.0f);
+        CHECK_EQUAL(i == 3 || i == 5 ? 1 : 0, run.log.warnings);
+        CHECK_EQUAL(0, run.log.errors);
+        gltf_run_end(&run);
+    }
+    ((unsigned char*)png)[45] ^= 0x55;
+    gltf_run run;
+    run_materials(&run,
+                  "'images':[{'bufferView':0}],'textures':[{'source':0}],"
+                  "'materials':[{'normalTexture':{'index':0}}]",
+                  png, size);
+    CHECK_EQUAL(STP_OK, run.result); // the model stays
+    CHECK_EQUAL(1, run.log.warnings);
+    CHECK_EQUAL(STP_NONE, run.scene->materials[1].normal_texture.texture);
+    gltf_run_end(&run);
+    free(png);
+}
+
 void test_gltf_maps_texture_coordinates_to_two_sets(test_state* test)
 {
     struct {

@@ -118,6 +118,27 @@ void test_mtl_alpha_maps_that_do_not_fit_are_left_out(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_mtl_normal_maps_are_read_and_heights_are_not(test_state* test)
+{
+    CHECK(write_pictures());
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    const char* lines[] = {"norm -s 2 2 colors.tga\n",
+                           "map_Kn -s 2 2 colors.tga\nmap_Bump grey.tga\n", "map_Bump grey.tga\n",
+                           "bump -bm 0.2 grey.tga\n", "norm none.tga\n"};
+    for (int i = 0; i < 5; ++i) {
+        stp_scene* scene = import_material(context, lines[i]);
+        CHECK(scene != NULL);
+        const stp_material* m = &scene->materials[1];
+        CHECK((m->normal_texture.texture != STP_NONE) == (i < 2));
+        CHECK(i >= 2 || (m->normal_texture.transform[0][0] == 2.0f && m->normal_scale == 1.0f));
+        CHECK_EQUAL(i < 2 ? 0 : i - 1, log.warnings); // a missing one is left out
+        CHECK(i < 2 || i > 3 || strstr(log.warning, "not kept: 1 map of heights") != NULL);
+        stp_scene_destroy(scene);
+    }
+    stp_context_destroy(context);
+}
+
 void test_mtl_options_of_maps_are_skipped(test_state* test)
 {
     CHECK(write_pictures());

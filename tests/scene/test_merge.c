@@ -93,12 +93,12 @@ void test_content_does_not_depend_on_numbering(test_state* test)
 
 void test_different_materials_are_not_merged(test_state* test)
 {
-    enum { CHANGES = 15 };
+    enum { CHANGES = 18 };
     stp_context* context = test_context(NULL, 1, NULL);
     stp_scene* scene = NULL;
     CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
     CHECK(add_texture(scene, 1, NULL, NULL) && add_texture(scene, 2, NULL, NULL));
-    for (int i = 0; i < CHANGES + 3; ++i) {
+    for (int i = 0; i < CHANGES + 4; ++i) {
         stp_material m = stp_material_default();
         m.alpha_mode = STP_ALPHA_MASK;
         m.base_color_texture.texture = i == 0 ? 1 : 0;
@@ -115,10 +115,16 @@ void test_different_materials_are_not_merged(test_state* test)
         m.base_color_texture.texcoord = i == 11;
         m.base_color_texture.transform[1][2] = i == 12 ? 0.5f : 0.0f;
         m.base_color[3] = i == 13 ? 0.5f : 1.0f;
+        m.normal_texture.texture = i >= 14 && i <= 16 ? (uint32_t)(i == 15) : STP_NONE;
+        m.normal_scale = i == 16 ? 0.5f : 1.0f;
         // invisible differences: a name, a transform without content, the sign of zero
         m.name = i == CHANGES ? "name" : NULL;
         m.emissive_texture.texcoord = i == CHANGES + 1;
         m.emissive[0] = i == CHANGES + 2 ? -0.0f : 0.0f;
+        if (i == CHANGES + 3) { // of no effect
+            m.normal_texture.texture = 0;
+            m.normal_scale = 0.0f;
+        }
         CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &m, NULL));
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));

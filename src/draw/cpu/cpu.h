@@ -89,6 +89,7 @@ typedef struct stp_cpu_item {
     const stp_texture_pyramid* base_color;
     const stp_texture_pyramid* metallic_roughness;
     const stp_texture_pyramid* emissive;
+    const stp_texture_pyramid* normal_map;
     // Occlusion culling of parts of items (occlude.c):
     double occluder_rows[3][4]; ///< from item space to right, down, depth of the pyramid's view
     stp_raster_occluder occluder;

@@ -150,16 +150,16 @@ static stp_result find_mesh(stp_cpu_renderer* r, uint32_t index, stp_cpu_item* i
     if (result == STP_OK) {
         result = find_texture(r, &material->emissive_texture, false, &item->emissive);
     }
+    if (result == STP_OK && material->normal_scale != 0.0f) {
+        result = find_texture(r, &material->normal_texture, true, &item->normal_map);
+    }
     bool colors = item->mesh.colors != NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0;
     item->glass = stp_transparency_of_mesh(material, item->base_color != NULL || colors);
     item->cells = stp_transparency_cells(box);
-    const stp_store_texture_use* uses[] = {&material->base_color_texture,
-                                           &material->metallic_roughness_texture,
-                                           &material->emissive_texture};
-    for (int i = 0; i < 3; ++i) {
-        if (uses[i]->texture != STP_STORE_NONE) {
-            item->reads_texcoords[uses[i]->texcoord != 0 ? 1 : 0] = true;
-        }
+    const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+    uint32_t use_count = stp_store_used_textures(material, uses);
+    for (uint32_t i = 0; i < use_count; ++i) {
+        item->reads_texcoords[uses[i]->texcoord != 0 ? 1 : 0] = true;
     }
     return result;
 }
@@ -225,7 +225,7 @@ static stp_result prepare_item(stp_cpu_renderer* r, const stp_draw_list* list,
 /// Schedules a texture for decoding, once. @return number of scheduled textures
 static uint32_t schedule_texture(stp_cpu_renderer* r, uint32_t texture, uint32_t count)
 {
-    if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
+    if (!r->textures[texture].is_asked) {
         assert(count < r->directory->texture_count && "each is scheduled once");
         r->textures[texture].is_asked = true;
         r->asked[count++] = texture;
@@ -241,9 +241,11 @@ static void decode_pictures(stp_cpu_renderer* r, const stp_draw_list* list, size
         if (list->items[i].kind == STP_DRAW_MESH) {
             const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, list->items[i].index);
             const stp_store_material* m = &r->directory->materials[mesh->material];
-            count = schedule_texture(r, m->base_color_texture.texture, count);
-            count = schedule_texture(r, m->metallic_roughness_texture.texture, count);
-            count = schedule_texture(r, m->emissive_texture.texture, count);
+            const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+            uint32_t use_count = stp_store_used_textures(m, uses);
+            for (uint32_t k = 0; k < use_count; ++k) {
+                count = schedule_texture(r, uses[k]->texture, count);
+            }
         }
     }
     if (count > 1) { // a single one is decoded on use

@@ -46,17 +46,23 @@ static void write_pixel(const stp_cpu_renderer* r, const float color[3], float c
     }
 }
 
-/// Direction to the eye for a tile: the negative of (forward + right u + down v).
+stp_vec3 stp_cpu_toward_eye(const stp_cpu_renderer* r, double x, double y)
+{
+    const stp_view_frame* f = &r->frame;
+    stp_vec3d toward = stp_scaled(f->forward, -1.0); // the negative of (forward + right u + down v)
+    if (!f->parallel) {
+        double u = (x - f->center_x - r->shift_x) / f->scale;
+        double v = (y - f->center_y - r->shift_y) / f->scale;
+        toward = stp_subd(toward, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
+    }
+    return stp_to_float(toward);
+}
+
+/// Direction to the eye for a tile.
 static void place_eye(const stp_cpu_renderer* r, uint32_t x, uint32_t y, stp_cpu_shade_scene* scene)
 {
     const stp_view_frame* f = &r->frame;
-    stp_vec3d start = stp_scaled(f->forward, -1.0);
-    if (!f->parallel) {
-        double u = ((double)x - f->center_x - r->shift_x) / f->scale;
-        double v = ((double)y - f->center_y - r->shift_y) / f->scale;
-        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
-    }
-    scene->start = stp_to_float(start);
+    scene->start = stp_cpu_toward_eye(r, (double)x, (double)y);
     scene->across = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
     scene->down = stp_to_float(stp_scaled(f->down, -1.0 / f->scale));
     scene->parallel = f->parallel;

@@ -187,6 +187,8 @@ void stp_cpu_make_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memo
 /// The surface of a splat or point, by its item and its index there.
 void stp_cpu_make_splat_surface(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
                                 stp_cpu_shade_surface* surface);
+/// Direction to the eye from a place in the picture, of any length.
+stp_vec3 stp_cpu_toward_eye(const stp_cpu_renderer* r, double x, double y);
 /// Light and eye for places in the whole picture.
 stp_cpu_shade_scene stp_cpu_make_shade_scene(const stp_cpu_renderer* r);
 

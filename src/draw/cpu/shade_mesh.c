@@ -3,6 +3,7 @@
 // Surfaces of triangles. Most are flat: all pixels share normal and colour. For the others,
 // interpolation weights are cached, and each pixel gets its own surface.
 #include "draw/cpu/shade.h"
+#include "raster/normal_map.h"
 
 #include <assert.h>
 #include <string.h>
@@ -20,8 +21,10 @@ typedef struct mixed_triangle {
     bool has_color;
     float density; ///< texels of the base colour per item unit
     double line[3][3];
-    four normal[3], flat; ///< scene space, unit length; the flat normal only if needed
-    four color[3];        ///< multiplied by the material's
+    four normal[3], flat;  ///< scene space, unit length; the flat normal only if needed
+    four color[3];         ///< multiplied by the material's
+    bool has_tangents;     ///< a normal map applies
+    stp_tangents tangents; ///< scene space
 } mixed_triangle;
 
 /// A recently used cluster: ids [first_id, first_id + count).
@@ -185,6 +188,39 @@ static bool may_cancel(const four normal[3])
     return false;
 }
 
+static stp_vec3 first_three(four v)
+{
+    return (stp_vec3){v[0], v[1], v[2]};
+}
+
+/// Tangents of a triangle for its item's normal map. Placements keep angles, so what turns normals
+/// turns them, too.
+static bool find_tangents(const stp_cpu_item* item, const stp_cpu_shade_item* shade,
+                          const stp_cpu_triangle* triangle, stp_tangents* tangents)
+{
+    const stp_store_texture_use* use = &item->material->normal_texture;
+    int set = use->texcoord != 0 ? 1 : 0;
+    if (!triangle->has_texcoord[set]) {
+        return false;
+    }
+    const float(*p)[3] = triangle->position;
+    stp_vec3 edges[2];
+    float uv[2][2];
+    for (int k = 0; k < 2; ++k) {
+        edges[k] = (stp_vec3){p[k + 1][0] - p[0][0], p[k + 1][1] - p[0][1], p[k + 1][2] - p[0][2]};
+        const float *a = triangle->texcoord[set][0], *b = triangle->texcoord[set][k + 1];
+        for (int i = 0; i < 2; ++i) {
+            uv[k][i] = use->transform[i][0] * (b[0] - a[0]) + use->transform[i][1] * (b[1] - a[1]);
+        }
+    }
+    if (!stp_tangents_find(edges, (const float(*)[2])uv, tangents)) {
+        return false;
+    }
+    tangents->right = first_three(turn_to_unit(shade, tangents->right));
+    tangents->up = first_three(turn_to_unit(shade, tangents->up));
+    return true;
+}
+
 static void mix_triangle(const stp_cpu_renderer* r, const stp_cpu_item* item,
                          const stp_cpu_shade_item* shade, const stp_cpu_triangle* triangle,
                          mixed_triangle* mixed)
@@ -197,6 +233,8 @@ static void mix_triangle(const stp_cpu_renderer* r, const stp_cpu_item* item,
         mixed->density =
             stp_cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
+    mixed->has_tangents =
+        item->normal_map != NULL && find_tangents(item, shade, triangle, &mixed->tangents);
     make_lines(r, item, triangle, mixed->line);
     for (int k = 0; k < 3; ++k) {
         const float* color = triangle->color[k];
@@ -264,8 +302,8 @@ stp_cpu_shade_kind stp_cpu_make_triangle_surface(const stp_cpu_renderer* r,
     const stp_cpu_shade_item* shade = &r->shade_items[memory->item[at]];
     stp_cpu_shade_surface* surface = &memory->surfaces[at];
     assert(item->kind == STP_DRAW_MESH && at < SHADE_KEPT);
-    bool textured =
-        item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
+    bool textured = item->base_color != NULL || item->metallic_roughness != NULL ||
+                    item->emissive != NULL || item->normal_map != NULL;
     stp_vec3 normal;
     if (!textured && find_only_normal(item, memory, at, &normal)) {
         make_flat(r, item, shade, normal, NULL, surface);
@@ -297,14 +335,25 @@ static void sample_texture(const stp_cpu_triangle* triangle, const stp_store_tex
     stp_texture_sample(pyramid, stp_cpu_mesh_uv(triangle, use, weight), footprint, texel);
 }
 
-/// Applies textures to a pixel.
-static void texture_pixel(const stp_cpu_renderer* r, const stp_cpu_item* item,
-                          const stp_cpu_triangle* triangle, float density, const float weight[3],
-                          float nearness, stp_cpu_shade_surface* out)
+/// Turns the normal of a pixel by the normal map.
+static void map_normal(const stp_cpu_item* item, const stp_cpu_triangle* triangle,
+                       const stp_tangents* tangents, const float weight[3], float pixel_size,
+                       stp_vec3 eye, float normal[3])
 {
     const stp_store_material* material = item->material;
-    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
-    float pixel_size = depth / (item->camera.pixel_scale * item->scale);
+    float texel[4];
+    sample_texture(triangle, &material->normal_texture, item->normal_map, weight, pixel_size,
+                   texel);
+    stp_vec3 own = stp_normalize((stp_vec3){normal[0], normal[1], normal[2]});
+    stp_vec3 turned = stp_normal_map_apply(tangents, own, texel, material->normal_scale, eye);
+    memcpy(normal, (const float[3]){turned.x, turned.y, turned.z}, 3 * sizeof(float));
+}
+
+/// Applies textures to a pixel.
+static void texture_pixel(const stp_cpu_item* item, const stp_cpu_triangle* triangle, float density,
+                          const float weight[3], float pixel_size, stp_cpu_shade_surface* out)
+{
+    const stp_store_material* material = item->material;
     float texel[4];
     stp_cpu_mesh_color(item, triangle, weight, density * pixel_size, texel);
     memcpy(out->color, texel, sizeof(out->color));
@@ -323,6 +372,13 @@ static void texture_pixel(const stp_cpu_renderer* r, const stp_cpu_item* item,
             out->material.emissive[k] *= texel[k];
         }
     }
+}
+
+/// Size of a pixel at its depth, in item units.
+static float pixel_size_at(const stp_cpu_renderer* r, const stp_cpu_item* item, float nearness)
+{
+    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
+    return depth / (item->camera.pixel_scale * item->scale);
 }
 
 /// Corner weights at a run's first pixel, and their change per pixel.
@@ -372,8 +428,13 @@ void stp_cpu_make_pixel_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory
         memcpy(out->normal, &normal, sizeof(normal));
         if (textured != NULL) {
             const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
-            texture_pixel(r, item, textured, mixed->density, weight,
-                          near.factor * nearness[i] + near.shift, out);
+            float size = pixel_size_at(r, item, near.factor * nearness[i] + near.shift);
+            texture_pixel(item, textured, mixed->density, weight, size, out);
+            if (mixed->has_tangents) {
+                stp_vec3 eye =
+                    stp_normalize(stp_cpu_toward_eye(r, (double)(x + i) + 0.5, (double)y + 0.5));
+                map_normal(item, textured, &mixed->tangents, weight, size, eye, out->normal);
+            }
         }
     }
 }

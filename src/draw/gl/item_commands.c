@@ -153,6 +153,9 @@ static stp_result make_mesh(stp_gl_renderer* r, uint32_t index)
     if (result == STP_OK) {
         result = upload_texture(r, &material->emissive_texture, false, &item->emissive);
     }
+    if (result == STP_OK && material->normal_scale != 0.0f) {
+        result = upload_texture(r, &material->normal_texture, true, &item->normal_map);
+    }
     stp_gl_upload got = result == STP_OK ? stp_gl_upload_mesh(r, draw->index) : GL_UPLOAD_FAILED;
     if (got != GL_UPLOAD_THERE) {
         r->frame.missing += 1;
@@ -266,7 +269,8 @@ static stp_result make_item(stp_gl_renderer* r, uint32_t index)
         .blend = 1.0f,
         .base_color = NO_ADDRESS,
         .metallic_roughness = NO_ADDRESS,
-        .emissive = NO_ADDRESS};
+        .emissive = NO_ADDRESS,
+        .normal_map = NO_ADDRESS};
     switch (draw->kind) {
     case STP_DRAW_SPLATS:
         return stp_gl_set_item_make(r, index);

@@ -26,12 +26,13 @@ static material_block make_material(const stp_store_material* m)
         .emissive = {m->emissive[0], m->emissive[1], m->emissive[2],
                      (m->flags & STP_SHADING_UNLIT) != 0 ? 1.0f : 0.0f}};
     const stp_store_texture_use* uses[] = {&m->base_color_texture, &m->metallic_roughness_texture,
-                                           &m->emissive_texture};
-    for (int i = 0; i < 3; ++i) {
+                                           &m->emissive_texture, &m->normal_texture};
+    for (int i = 0; i < 4; ++i) {
         memcpy(block.uses[2 * i], uses[i]->transform[0], sizeof(uses[i]->transform[0]));
         memcpy(block.uses[2 * i + 1], uses[i]->transform[1], sizeof(uses[i]->transform[1]));
         block.uses[2 * i][3] = uses[i]->texcoord != 0 ? 1.0f : 0.0f;
     }
+    block.uses[7][3] = m->normal_scale;
     return block;
 }
 

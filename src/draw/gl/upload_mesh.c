@@ -192,13 +192,11 @@ static void write_mesh(const mesh_source* source, uint32_t count, stp_gl_writer*
 static void choose_texcoords(const stp_gl_renderer* r, uint32_t material, bool reads[2])
 {
     const stp_store_material* m = &r->directory->materials[material];
-    const stp_store_texture_use* uses[] = {&m->base_color_texture, &m->metallic_roughness_texture,
-                                           &m->emissive_texture};
+    const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+    uint32_t count = stp_store_used_textures(m, uses);
     reads[0] = reads[1] = false;
-    for (int i = 0; i < 3; ++i) {
-        if (uses[i]->texture != STP_STORE_NONE) {
-            reads[uses[i]->texcoord != 0 ? 1 : 0] = true;
-        }
+    for (uint32_t i = 0; i < count; ++i) {
+        reads[uses[i]->texcoord != 0 ? 1 : 0] = true;
     }
 }
 

@@ -196,7 +196,8 @@ struct item_block {
     float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it;
                   // splats with errors: in grid coordinates; in parallel, the view direction
     float growth_share; // splats: radii are multiplied by 1 + growth of the shading * this
-    float item_spare[3];
+    uint normal_map;    // address of a texture
+    float item_spare[2];
 };
 
 // One command of a multi-draw, or a part of it: splats, or a cluster.
@@ -225,9 +226,9 @@ struct material_block {
     vec4 base_color;
     vec4 numbers;  // metallic, roughness, alpha cutoff, alpha mode
     vec4 emissive; // and whether it is unlit
-    // for base colour, metallic and roughness, emissive: two rows of a transform, the first with
-    // the set of texture coordinates as fourth
-    vec4 uses[6];
+    // for base colour, metallic and roughness, emissive, normals: two rows of a transform, the first
+    // with the set of texture coordinates as fourth; the last with the scale of normals as fourth
+    vec4 uses[8];
 };
 
 struct view_block {
@@ -305,7 +306,7 @@ typedef struct large_block {
 } large_block;
 _Static_assert(sizeof(item_block) == 400, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
-_Static_assert(sizeof(material_block) == 144, "layout of materials");
+_Static_assert(sizeof(material_block) == 176, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
 _Static_assert(sizeof(view_block) == 1664, "layout of the view");
 #endif

@@ -1,7 +1,6 @@
 // Surface of an id: same as src/draw/cpu/shade_surfaces.c and shade_mesh.c.
-#include "lib_texture.glsl"
+#include "lib_normal_map.glsl"
 #include "lib_chunk.glsl"
-#include "lib_light.glsl"
 #include "lib_coverage.glsl"
 #include "lib_glass.glsl"
 
@@ -33,11 +32,6 @@ uint find_item(uint id)
 surface_light known_light(uint material)
 {
     return surface_light(light_materials[material].surface, light_materials[material].emissive);
-}
-
-vec3 to_scene(const item_block item, vec3 n)
-{
-    return vec3(dot(item.normal[0].xyz, n), dot(item.normal[1].xyz, n), dot(item.normal[2].xyz, n));
 }
 
 surface find_splat(const item_block item, uint index)
@@ -161,8 +155,9 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
         opacity *= color.a;
     }
 #ifdef TEXTURES
-    for (uint n = 0u; n < 3u; ++n) { // an array of them seems to be read wrongly by an NVIDIA driver
+    for (uint n = 0u; n < 4u; ++n) { // an array of them seems to be read wrongly by an NVIDIA driver
         uint map = n == 0u ? item.base_color : n == 1u ? item.metallic_roughness : item.emissive;
+        map = n == 3u ? item.normal_map : map;
         if (map == NO_ADDRESS) {
             continue;
         }
@@ -174,6 +169,8 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
         } else if (n == 1u) {
             vec4 numbers = materials[item.material].numbers;
             s.light = make_light(numbers.x * texel.z, numbers.y * texel.y, s.light.emissive);
+        } else if (n == 3u) {
+            s.normal = map_normal(item, t, position, unit(s.normal), texel.rgb, pixel);
         } else {
             s.light.emissive.rgb *= texel.rgb;
         }

@@ -135,8 +135,8 @@ bool keeps_cutout(uint texture, vec2 uv, float footprint, float own, float cutof
     return alpha >= low + (high - low) * (step - float(below));
 }
 
-// Coordinates in a material's n-th texture (0 base colour, 1 metallic and roughness, 2 emissive) at
-// a point of a triangle.
+// Coordinates in a material's n-th texture (0 base colour, 1 metallic and roughness, 2 emissive, 3
+// normals) at a point of a triangle.
 vec2 find_uv(const triangle_place t, uint material, uint n, vec3 weight)
 {
     vec4 first = materials[material].uses[2u * n], second = materials[material].uses[2u * n + 1u];

@@ -117,11 +117,13 @@ void stp_assimp_put_material(stp_assimp_writer* w, const struct aiMaterial* mate
 {
     stp_assimp_material out = {.base_color = {1, 1, 1, 1}, .roughness = 1};
     struct aiString name = {0}, base = {0}, emissive = {0}, opacity = {0};
-    stp_assimp_use base_use, emissive_use, unused;
+    struct aiString normals = {0};
+    stp_assimp_use base_use, emissive_use, normal_use, unused;
     (void)aiGetMaterialString(material, AI_MATKEY_NAME, &name);
     int has_base = get_texture(material, aiTextureType_BASE_COLOR, &base, &base_use) ||
                    get_texture(material, aiTextureType_DIFFUSE, &base, &base_use);
     int has_emissive = get_texture(material, aiTextureType_EMISSIVE, &emissive, &emissive_use);
+    int has_normals = get_texture(material, aiTextureType_NORMALS, &normals, &normal_use);
     out.masked = get_texture(material, aiTextureType_OPACITY, &opacity, &unused) && has_base &&
                  strcmp(opacity.data, base.data) == 0;
     int physical = get_color(material, "$clr.base", out.base_color);
@@ -152,4 +154,5 @@ void stp_assimp_put_material(stp_assimp_writer* w, const struct aiMaterial* mate
     stp_assimp_put(w, &out, sizeof(out));
     put_use(w, has_base ? &base : NULL, &base_use);
     put_use(w, has_emissive ? &emissive : NULL, &emissive_use);
+    put_use(w, has_normals ? &normals : NULL, &normal_use);
 }

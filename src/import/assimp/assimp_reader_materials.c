@@ -132,6 +132,9 @@ static stp_result read_material(stp_assimp_reader* r, uint32_t* index)
     if (result == STP_OK) {
         result = read_use(r, material.name, &material.emissive_texture);
     }
+    if (result == STP_OK) {
+        result = read_use(r, material.name, &material.normal_texture);
+    }
     return result == STP_OK ? stp_scene_add_material(r->import->scene, &material, index) : result;
 }
 

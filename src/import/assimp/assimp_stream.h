@@ -11,7 +11,7 @@
 //   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
 //   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width`
 //             bytes
-//   material  text name, stp_assimp_material, two uses (base colour, emissive)
+//   material  text name, stp_assimp_material, three uses (base colour, emissive, normals)
 //   a use     u32 source, u32 index (of an embedded texture), text path, stp_assimp_use
 //   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its
 //             flags say

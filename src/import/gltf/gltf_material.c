@@ -5,6 +5,7 @@
 #include "import/gltf/gltf_primitive.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 typedef struct pending_material {
@@ -223,6 +224,27 @@ static stp_result read_emissive(material_reader* reader, const json_t* material)
     return read_texture(reader, material, "emissiveTexture", &out->emissive_texture);
 }
 
+static stp_result read_normal_map(material_reader* reader, const json_t* material)
+{
+    stp_gltf_scope* scope = reader->scope;
+    stp_material* out = &reader->pending->material;
+    const json_t* info;
+    double scale = 1.0;
+    stp_result result = read_texture(reader, material, "normalTexture", &out->normal_texture);
+    if (result == STP_OK) {
+        result = stp_gltf_object(scope, material, "normalTexture", &info);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_number(scope, info, "scale", &scale);
+    }
+    if (result == STP_OK && !(fabs(scale) <= 1e3)) {
+        stp_gltf_warn(scope, "the scale %g of its normal map is out of range: uses 1", scale);
+        scale = 1.0;
+    }
+    out->normal_scale = (float)scale;
+    return result;
+}
+
 static stp_result read_material(material_reader* reader, const json_t* json)
 {
     stp_gltf_scope* scope = reader->scope;
@@ -249,7 +271,11 @@ static stp_result read_material(material_reader* reader, const json_t* json)
     if (result == STP_OK) {
         result = read_specular_glossiness(reader, json);
     }
-    return result == STP_OK ? read_emissive(reader, json) : result;
+    if (result == STP_OK) {
+        result = read_emissive(reader, json);
+    }
+    // last: if there are too many sets of texture coordinates, colours keep theirs
+    return result == STP_OK ? read_normal_map(reader, json) : result;
 }
 
 static stp_result add_materials(stp_gltf_scope* scope, const stp_gltf_textures* textures,
@@ -261,8 +287,8 @@ static stp_result add_materials(stp_gltf_scope* scope, const stp_gltf_textures* 
         stp_material* material = &pending[i].material;
         stp_texture_use* uses[] = {&material->base_color_texture,
                                    &material->metallic_roughness_texture,
-                                   &material->emissive_texture};
-        for (int k = 0; k < 3; ++k) {
+                                   &material->emissive_texture, &material->normal_texture};
+        for (int k = 0; k < 4; ++k) {
             uses[k]->texture = stp_gltf_textures_get(textures, uses[k]->texture);
         }
         gltf->materials[i] = pending[i].slots;

@@ -21,6 +21,7 @@ typedef struct mtl {
     const char* alpha_map; ///< file name from map_d
     bool has_roughness;
     bool has_opacity;   ///< the material has `d`
+    bool has_heights;   ///< the material has a map of heights
     float transparency; ///< of `Tr`; negative: none
 } mtl;
 
@@ -196,6 +197,9 @@ static stp_result end_material(mtl* m)
     if (stp_lookup_find(m->names, m->name, length, STP_NONE) != STP_NONE) {
         return STP_OK; // the first definition of a name wins
     }
+    if (m->has_heights && m->material.normal_texture.texture == STP_NONE) {
+        stp_losses_add(&m->import->losses, STP_LOSS_HEIGHT_MAP, 1);
+    }
     stp_result result = apply_alpha_map(m);
     if (result != STP_OK) {
         return result;
@@ -218,7 +222,7 @@ static stp_result begin_material(mtl* m, stp_text at)
     stp_result result = end_material(m);
     m->material = stp_material_plain();
     m->alpha_map = NULL;
-    m->has_roughness = m->has_opacity = false;
+    m->has_roughness = m->has_opacity = m->has_heights = false;
     m->transparency = -1.0f;
     return result == STP_OK ? copy_rest(m, at, &m->name) : result;
 }
@@ -268,6 +272,10 @@ static stp_result read_line(mtl* m, stp_text at)
         return read_texture(m, word, &m->material.base_color_texture);
     } else if (stp_word_is(at, word, "map_ke")) {
         return read_texture(m, word, &m->material.emissive_texture);
+    } else if (stp_word_is(at, word, "map_bump") || stp_word_is(at, word, "bump")) {
+        m->has_heights = true;
+    } else if (stp_word_is(at, word, "norm") || stp_word_is(at, word, "map_kn")) {
+        return read_texture(m, word, &m->material.normal_texture);
     } else if (stp_word_is(at, word, "map_d")) {
         map_options options;
         stp_result result = read_map(m, word, &options);

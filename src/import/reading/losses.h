@@ -18,6 +18,7 @@
     X(UNFINISHED_LINE, "unfinished last line", "unfinished last lines", NULL)                      \
     X(TIME, "point time beyond 1e19", "point times beyond 1e19", "stored as 0")                    \
     X(COLUMN, "point column", "point columns", NULL)                                               \
+    X(HEIGHT_MAP, "map of heights", "maps of heights", NULL)                                       \
     X(SCANNER_PICTURE, "scanner picture", "scanner pictures", NULL)                                \
     X(SCAN, "scan without positions", "scans without positions", NULL)                             \
     X(LIGHT, "light", "lights", NULL)                                                              \

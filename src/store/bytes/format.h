@@ -13,10 +13,11 @@
 
 enum {
     STP_STORE_MAJOR = 1,
-    STP_STORE_MINOR = 2,           ///< of files without levels
-    STP_STORE_MINOR_LEVELS = 3,    ///< of files with levels
-    STP_STORE_MINOR_GROWTHS = 4,   ///< of files with growths
-    STP_STORE_MINOR_COVERAGES = 2, ///< since then, coverages are codes (base/splats/coverage.h)
+    STP_STORE_MINOR = 2,             ///< of files without levels
+    STP_STORE_MINOR_LEVELS = 3,      ///< of files with levels
+    STP_STORE_MINOR_GROWTHS = 4,     ///< of files with growths
+    STP_STORE_MINOR_NORMAL_MAPS = 5, ///< of files with normal maps
+    STP_STORE_MINOR_COVERAGES = 2,   ///< since then, coverages are codes (base/splats/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,
@@ -70,6 +71,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_LEVEL_FIGURES,    ///< how much levels are, for those who read no more
     STP_SECTION_SIDES,            ///< materials and shadings whose backs are not drawn
     STP_SECTION_GROWTHS,          ///< by how much splats of each shading are larger
+    STP_SECTION_NORMAL_MAPS,      ///< which materials have normal maps
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 

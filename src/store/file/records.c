@@ -432,6 +432,14 @@ static void code_sides(stp_store_codec* codec, void* element)
     code_u64(codec, &sides->triangles);
 }
 
+static void code_normal_map(stp_store_codec* codec, void* element)
+{
+    stp_store_normal_map* record = element;
+    code_u32(codec, &record->material);
+    code_f32(codec, &record->scale);
+    code_texture_use(codec, &record->use);
+}
+
 static void code_level_figures(stp_store_codec* codec, void* element)
 {
     stp_store_level_figures* figures = element;
@@ -547,6 +555,8 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_LEVEL_FIGURES] = {"figures of levels", 24, sizeof(stp_store_level_figures),
                                        code_level_figures},
         [STP_SECTION_SIDES] = {"sides", 16, sizeof(stp_store_sides), code_sides},
+        [STP_SECTION_NORMAL_MAPS] = {"normal map", 40, sizeof(stp_store_normal_map),
+                                     code_normal_map},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

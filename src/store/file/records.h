@@ -5,6 +5,7 @@
 #pragma once
 
 #include "store/bytes/format.h"
+#include "store/file/normal_maps.h"
 #include "store/file/point_attributes.h"
 #include "store/file/sides.h"
 
@@ -162,6 +163,7 @@ typedef union stp_store_element {
     stp_store_level_group level_group;
     stp_store_level_figures level_figures;
     stp_store_sides sides;
+    stp_store_normal_map normal_map;
 } stp_store_element;
 
 /// By section type; all 0 for unknown types. Sections of texts have no name and no `code`.

@@ -136,13 +136,11 @@ static void count_node(accumulator* t, uint32_t node)
 static void count_material(const accumulator* t, uint32_t index, stp_store_figures* figures)
 {
     const stp_store_material* material = &t->directory->materials[index];
-    uint32_t textures[] = {material->base_color_texture.texture,
-                           material->metallic_roughness_texture.texture,
-                           material->emissive_texture.texture};
-    for (int i = 0; i < 3; ++i) {
-        const stp_store_amount* texture =
-            textures[i] != STP_STORE_NONE ? &t->sizes->textures[textures[i]] : NULL;
-        if (texture != NULL && is_first_visit(t, t->textures_met, texture->owner)) {
+    const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+    uint32_t count = stp_store_used_textures(material, uses);
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_store_amount* texture = &t->sizes->textures[uses[i]->texture];
+        if (is_first_visit(t, t->textures_met, texture->owner)) {
             figures->texture_bytes += texture->bytes;
         }
     }

@@ -36,7 +36,29 @@ typedef struct stp_store_material {
     /// Closed meshes of it whose fronts face inwards, if it is STP_SHADING_FRONT_ONLY
     uint32_t inverted;
     stp_store_texture_use base_color_texture, metallic_roughness_texture, emissive_texture;
+    stp_store_texture_use normal_texture; ///< only with a scale; see stp_material (src/scene)
+    float normal_scale;                   ///< finite; 0: no normal map
 } stp_store_material;
+
+enum { STP_STORE_MATERIAL_TEXTURES = 4 };
+
+/// Lists the uses of textures that a material has. @return their number
+static inline uint32_t
+stp_store_used_textures(const stp_store_material* material,
+                        const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES])
+{
+    const stp_store_texture_use* all[] = {
+        &material->base_color_texture, &material->metallic_roughness_texture,
+        &material->emissive_texture,
+        material->normal_scale != 0.0f ? &material->normal_texture : NULL};
+    uint32_t count = 0;
+    for (int i = 0; i < STP_STORE_MATERIAL_TEXTURES; ++i) {
+        if (all[i] != NULL && all[i]->texture != STP_STORE_NONE) {
+            uses[count++] = all[i];
+        }
+    }
+    return count;
+}
 
 typedef struct stp_store_texture {
     uint32_t width, height;

@@ -88,16 +88,22 @@ static stp_result check_materials(const stp_store_validator* validator,
 {
     for (uint32_t i = 0; i < directory->material_count; ++i) {
         const stp_store_material* material = &directory->materials[i];
-        const stp_store_texture_use* uses[] = {&material->base_color_texture,
-                                               &material->metallic_roughness_texture,
-                                               &material->emissive_texture};
-        for (int k = 0; k < 3; ++k) {
+        const stp_store_texture_use* uses[] = {
+            &material->base_color_texture, &material->metallic_roughness_texture,
+            &material->emissive_texture, &material->normal_texture};
+        int use_count = material->normal_scale != 0.0f ? 4 : 3;
+        for (int k = 0; k < use_count; ++k) {
             if (!is_reference(uses[k]->texture, directory->texture_count) ||
                 uses[k]->texcoord > 1) {
                 return stp_fail(validator->context, validator->failure,
                                 "%s: material %u: texture %u with coordinates %u does not exist",
                                 validator->path, i, uses[k]->texture, uses[k]->texcoord);
             }
+        }
+        if (!isfinite(material->normal_scale)) {
+            return stp_fail(validator->context, validator->failure,
+                            "%s: material %u: the scale of its normal map is not finite",
+                            validator->path, i);
         }
         if ((material->flags & ~(uint32_t)STP_SHADING_FRONT_ONLY) > 3 ||
             (uint32_t)material->alpha > STP_STORE_BLEND) {

@@ -117,7 +117,7 @@ static stp_result read_directory(stp_store* store)
                                       STP_SECTION_CERTAINTY,      STP_SECTION_LEVELS,
                                       STP_SECTION_LEVEL_CLUSTERS, STP_SECTION_LEVEL_GROUPS,
                                       STP_SECTION_LEVEL_FIGURES,  STP_SECTION_SIDES,
-                                      STP_SECTION_GROWTHS};
+                                      STP_SECTION_GROWTHS,        STP_SECTION_NORMAL_MAPS};
     for (size_t i = 0; i < sizeof(others) / sizeof(others[0]) && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
@@ -137,6 +137,7 @@ static stp_result read_directory(stp_store* store)
         return result;
     }
     result = stp_store_link_sides(store);
+    result = result == STP_OK ? stp_store_link_normal_maps(store) : result;
     if (result != STP_OK) {
         return result;
     }

@@ -390,10 +390,15 @@ static bool is_resource_here(const stp_store* store, stp_resident_kind kind, uin
                      : is_in_file(store, kind, index);
 }
 
-static bool is_texture_here(const stp_store* store, const stp_store_texture_use* use)
+static bool are_textures_here(const stp_store* store, const stp_store_material* material)
 {
-    return use->texture == STP_STORE_NONE ||
-           is_resource_here(store, STP_RESIDENT_TEXTURE, use->texture);
+    const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+    uint32_t count = stp_store_used_textures(material, uses);
+    bool here = true;
+    for (uint32_t i = 0; i < count && here; ++i) {
+        here = is_resource_here(store, STP_RESIDENT_TEXTURE, uses[i]->texture);
+    }
+    return here;
 }
 
 bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
@@ -403,10 +408,7 @@ bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
     }
     const stp_store_material* material =
         &store->directory.materials[stp_store_describe_mesh(store, index)->material];
-    return is_resource_here(store, STP_RESIDENT_MESH, index) &&
-           is_texture_here(store, &material->base_color_texture) &&
-           is_texture_here(store, &material->metallic_roughness_texture) &&
-           is_texture_here(store, &material->emissive_texture);
+    return is_resource_here(store, STP_RESIDENT_MESH, index) && are_textures_here(store, material);
 }
 
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index)

@@ -75,13 +75,10 @@ static void note_textures(stp_residency* r, uint32_t mesh, float need)
     const stp_store_directory* directory = &r->store->directory;
     const stp_store_material* material =
         &directory->materials[stp_store_describe_mesh(r->store, mesh)->material];
-    const uint32_t used[] = {material->base_color_texture.texture,
-                             material->metallic_roughness_texture.texture,
-                             material->emissive_texture.texture};
-    for (int i = 0; i < 3; ++i) {
-        if (used[i] != STP_STORE_NONE) {
-            note(r, r->firsts[STP_RESIDENT_TEXTURE] + used[i], 1, need, 0.0f);
-        }
+    const stp_store_texture_use* uses[STP_STORE_MATERIAL_TEXTURES];
+    uint32_t count = stp_store_used_textures(material, uses);
+    for (uint32_t i = 0; i < count; ++i) {
+        note(r, r->firsts[STP_RESIDENT_TEXTURE] + uses[i]->texture, 1, need, 0.0f);
     }
 }
 

@@ -67,7 +67,9 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
     bool growths = stp_any_growth(directory->shadings, directory->shading_count);
-    stp_write_u16(bytes + 10, growths                       ? STP_STORE_MINOR_GROWTHS
+    bool normal_maps = stp_store_count_normal_maps(directory) != 0;
+    stp_write_u16(bytes + 10, normal_maps                   ? STP_STORE_MINOR_NORMAL_MAPS
+                              : growths                     ? STP_STORE_MINOR_GROWTHS
                               : directory->level_count != 0 ? STP_STORE_MINOR_LEVELS
                                                             : STP_STORE_MINOR);
     stp_write_u32(bytes + 12, STP_STORE_HEADER_BYTES);

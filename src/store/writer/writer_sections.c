@@ -24,6 +24,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_EDGES,
     STP_SECTION_PARTS,
     STP_SECTION_MATERIALS,
+    STP_SECTION_NORMAL_MAPS,
     STP_SECTION_SHADINGS,
     STP_SECTION_GROWTHS,
     STP_SECTION_TEXTURES,
@@ -302,6 +303,18 @@ static stp_result write_sides(stp_store_writing* w)
     return result;
 }
 
+static stp_result write_normal_maps(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    stp_store_normal_map* records = NULL;
+    stp_result result = stp_store_list_normal_maps(w->context, d, &records);
+    if (result == STP_OK) {
+        result = write_table(w, STP_SECTION_NORMAL_MAPS, records, stp_store_count_normal_maps(d));
+    }
+    stp_free(w->context, records);
+    return result;
+}
+
 // One key per splat set, then one per mesh; no section if there are no keys.
 static stp_result write_keys(stp_store_writing* w)
 {
@@ -452,6 +465,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_level_figures(w);
     case STP_SECTION_SIDES:
         return write_sides(w);
+    case STP_SECTION_NORMAL_MAPS:
+        return write_normal_maps(w);
     case STP_SECTION_PAGES: // reserves the space; the checksums are written when all else is
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -504,6 +519,8 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
         return d->level_count != 0;
     case STP_SECTION_SIDES:
         return stp_store_tells_sides(d);
+    case STP_SECTION_NORMAL_MAPS:
+        return stp_store_count_normal_maps(d) != 0;
     default:
         return true;
     }

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Pictures of built surfaces with normal maps: triangles are lit by them, splats stay as they were.
+#include "support_level_scenes.h"
+#include "tests.h"
+
+#include "draw/draw.h"
+#include "select/select.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { CELLS = 120, SIDE = 96, TEXELS = 64 };
+
+/// A map of four quadrants: tilted up and right, up and left, down and right, down and left.
+static bool add_map(stp_scene* scene, uint32_t* index)
+{
+    stp_texture texture = {.width = TEXELS, .height = TEXELS};
+    texture.wrap_u = texture.wrap_v = STP_WRAP_CLAMP;
+    texture.texels = stp_alloc(scene->context, TEXELS * TEXELS * 4);
+    if (texture.texels == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < TEXELS * TEXELS; ++i) {
+        bool left = i % TEXELS < TEXELS / 2, above = i / TEXELS < TEXELS / 2;
+        const uint8_t tilted[4] = {left ? 176 : 80, above ? 176 : 80, 220, 255};
+        memcpy(texture.texels + 4 * (size_t)i, tilted, 4);
+    }
+    return stp_scene_add_texture(scene, &texture, index) == STP_OK;
+}
+
+/// A white sheet from -1 to 1 in the plane z = 0, facing +z; the map's first row is at the top.
+static bool add_sheet(stp_scene* scene, bool mapped)
+{
+    stp_material m = stp_material_default();
+    stp_mesh mesh = {.vertex_count = (CELLS + 1) * (CELLS + 1),
+                     .triangle_count = 2 * CELLS * CELLS};
+    mesh.positions = STP_NEW_ARRAY(scene->context, float, 3 * (size_t)mesh.vertex_count);
+    mesh.texcoords[0] = STP_NEW_ARRAY(scene->context, float, 2 * (size_t)mesh.vertex_count);
+    mesh.indices = STP_NEW_ARRAY(scene->context, uint32_t, 3 * (size_t)mesh.triangle_count);
+    m.metallic = 0.0f;
+    m.front_only = true;
+    if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL ||
+        (mapped && !add_map(scene, &m.normal_texture.texture)) ||
+        stp_scene_add_material(scene, &m, &mesh.material) != STP_OK) {
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
+        float u = (float)(i % (CELLS + 1)) / CELLS, v = (float)(i / (CELLS + 1)) / CELLS;
+        const float at[3] = {2.0f * u - 1.0f, 1.0f - 2.0f * v, 0.0f};
+        memcpy(mesh.positions + 3 * (size_t)i, at, sizeof(at));
+        mesh.texcoords[0][2 * (size_t)i] = u;
+        mesh.texcoords[0][2 * (size_t)i + 1] = v;
+    }
+    for (uint32_t i = 0; i < CELLS * CELLS; ++i) {
+        uint32_t a = i / CELLS * (CELLS + 1) + i % CELLS, c = a + CELLS + 1;
+        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
+        memcpy(mesh.indices + 6 * (size_t)i, corners, sizeof(corners));
+    }
+    const stp_object sheet = {.parent = STP_NONE, .transform = stp_affine_identity()};
+    uint32_t index = 0;
+    return stp_scene_add_mesh(scene, &mesh, &index) == STP_OK &&
+           stp_scene_add_object(scene, &sheet, NULL) == STP_OK &&
+           stp_scene_add_part(scene, (stp_part){STP_PART_MESH, index}) == STP_OK;
+}
+
+static bool make_plain(stp_scene* scene)
+{
+    return add_sheet(scene, false);
+}
+
+static bool make_mapped(stp_scene* scene)
+{
+    return add_sheet(scene, true);
+}
+
+/// Draws the triangles. @return covered pixels; 0: it failed
+static uint64_t draw(stp_context* context, stp_store* store, uint8_t* pixels)
+{
+    stp_renderer* renderer = NULL;
+    stp_draw_list list = {0};
+    stp_draw_stats stats = {0};
+    stp_image image = {SIDE, SIDE, pixels};
+    const stp_view view = {
+        .eye = {0, 0, 5}, .up = {0, 1, 0}, .fov_degrees = 24, .width = SIDE, .height = SIDE};
+    const stp_quality quality = {.splat_size = 1, .reference = true};
+    bool drawn = stp_draw_cpu_create(context, store, &renderer) == STP_OK &&
+                 stp_renderer_draw_selected(renderer, &view, &quality, &(stp_draw_style){0}, &list,
+                                            &image, &stats) == STP_OK;
+    stp_draw_list_destroy(context, &list);
+    stp_renderer_destroy(renderer);
+    return drawn ? stats.covered_pixels : 0;
+}
+
+/// Mean green value of a quarter of the picture, away from its border.
+static double mean_of(const uint8_t* pixels, int quarter)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 32 * 32; ++i) {
+        int x = i % 32 + (quarter % 2 != 0 ? 56 : 8), y = i / 32 + (quarter / 2 != 0 ? 56 : 8);
+        sum += pixels[4 * (y * SIDE + x) + 1];
+    }
+    return sum / (32.0 * 32.0);
+}
+
+void test_normal_maps_light_triangles(test_state* test)
+{
+    static uint8_t plain[4 * SIDE * SIDE], mapped[4 * SIDE * SIDE];
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_store* store =
+        level_build_open(context, &(level_build){.make = make_plain, .no_levels = true});
+    CHECK(store != NULL && draw(context, store, plain) > 0);
+    CHECK_EQUAL(0, stp_store_get_directory(store)->texture_count);
+    stp_store_close(store);
+    store = level_build_open(context, &(level_build){.make = make_mapped, .no_levels = true});
+    CHECK(store != NULL);
+    const stp_store_directory* d = stp_store_get_directory(store);
+    const stp_store_material* m = &d->materials[stp_store_describe_mesh(store, 0)->material];
+    CHECK(m->normal_scale == 1.0f && m->normal_texture.texture == 0 && d->texture_count == 1);
+    CHECK(draw(context, store, mapped) > 0);
+    double own = mean_of(plain, 0);
+    for (int i = 0; i < 2; ++i) { // light comes from above, more of it from the left
+        CHECK(mean_of(mapped, i) > mean_of(mapped, 2 + i) + 30.0);
+        CHECK(mean_of(mapped, 2 + i) < own - 20.0);
+        CHECK(fabs(mean_of(mapped, 2 * i) - mean_of(mapped, 2 * i + 1)) > 20.0);
+    }
+    stp_store_close(store);
+    stp_context_destroy(context);
+}
+
+/// Disks lie across their normals: turned ones would leave holes.
+void test_normal_maps_do_not_turn_splats(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_store* stores[2];
+    stp_splats sets[2];
+    for (int i = 0; i < 2; ++i) {
+        stores[i] = level_build_open(
+            context, &(level_build){.make = i == 0 ? make_plain : make_mapped, .no_levels = true});
+        CHECK(stores[i] != NULL);
+        CHECK_EQUAL(STP_OK, stp_store_get_splat_set(stores[i], 0, &sets[i]));
+    }
+    CHECK(sets[0].count > 100);
+    CHECK_EQUAL(sets[0].count, sets[1].count);
+    CHECK(memcmp(sets[0].positions, sets[1].positions, 6 * (size_t)sets[0].count) == 0);
+    CHECK(memcmp(sets[0].normals, sets[1].normals, 2 * (size_t)sets[0].count) == 0);
+    stp_store_close(stores[0]);
+    stp_store_close(stores[1]);
+    stp_context_destroy(context);
+}
