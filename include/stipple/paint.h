@@ -52,6 +52,14 @@ typedef enum stp_pixel_coloring {
     STP_PIXELS_NORMALS,   ///< by surface normal, unlit
 } stp_pixel_coloring;
 
+/// Whether pictures with one sample a pixel pass the pixel filter: each pixel becomes a mean of
+/// itself and its neighbours, which calms what aliases while the view moves.
+typedef enum stp_pixel_filter {
+    STP_PIXEL_FILTER_AUTO, ///< with budget_ms, without accumulate and triangles_only
+    STP_PIXEL_FILTER_ON,
+    STP_PIXEL_FILTER_OFF,
+} stp_pixel_filter;
+
 /// Drawing options. All zero: splats of one pixel in the scene's colours on a transparent
 /// background.
 typedef struct stp_paint_desc {
@@ -91,6 +99,7 @@ typedef struct stp_paint_desc {
     size_t stride;
     /// Draws the backs of single-sided materials of glTF files, too.
     bool back_faces;
+    stp_pixel_filter pixel_filter;
 } stp_paint_desc;
 
 typedef struct stp_paint_report {

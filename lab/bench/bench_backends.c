@@ -41,6 +41,7 @@ static const picture_case cases[] = {
     {.name = "ghosts of originals", .splat_size = 1.0f, .all_ghosts = true, .originals = true},
     {.name = "eye-dome", .splat_size = 2.0f, .style = {.eye_dome = 1.0f}},
     {.name = "occlusion", .splat_size = 2.0f, .style = {.ambient_occlusion = 0.1f}},
+    {.name = "pixel filter", .splat_size = 2.0f, .style = {.pixel_filter = true}},
     {.name = "accumulated", .splat_size = 2.0f, .accumulate = true},
     {.name = "two eyes", .splat_size = 2.0f, .stereo = true},
     {.name = "ewa", .splat_size = 4.0f, .style = {.filter = STP_FILTER_EWA}},

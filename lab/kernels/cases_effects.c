@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Post-shading effects of a row of pixels.
 #include "draw/cpu/effects.h"
+#include "draw/cpu/pixel_filter.h"
 #include "lab/kernels/kernel_cases.h"
 
 #include <string.h>
@@ -114,5 +115,46 @@ void kernel_run_blocks(kernel_case* c)
     for (int i = 0; i < REPEATS; ++i) {
         stp_cpu_choose_effect_kernels()->spread(in->neighbours, 0.375f, out->mixed,
                                                 ROW / STP_DEPTH_PYRAMID_BLOCK, out->sums[0], ROW);
+    }
+}
+
+typedef struct filter_input {
+    uint8_t pixels[4 * ROW], kinds[ROW];
+} filter_input;
+
+typedef struct filter_output {
+    uint16_t light[4 + 4 * ROW + 4], weights[4 * ROW], across[4 * ROW], mixed[4 * ROW];
+    uint8_t pixels[4 * ROW];
+} filter_output;
+
+bool kernel_make_pixels(kernel_case* c)
+{
+    filter_input* in = stp_arena_alloc(c->arena, sizeof(*in));
+    if (in == NULL) {
+        return false;
+    }
+    for (uint32_t x = 0; x < ROW; ++x) {
+        bool there = kernel_random(1, x, 0.0f, 1.0f) > 0.1f;
+        in->kinds[x] = kernel_random(2, x, 0.0f, 1.0f) > 0.5f;
+        for (uint32_t k = 0; k < 4; ++k) {
+            uint8_t value = k == 3 ? 255 : (uint8_t)kernel_random(3 + k, x, 0.0f, 255.0f);
+            in->pixels[4 * x + k] = there ? value : 0;
+        }
+    }
+    c->input = in;
+    return kernel_set_output(c, sizeof(filter_output), (uint64_t)REPEATS * ROW);
+}
+
+void kernel_run_pixels(kernel_case* c)
+{
+    const filter_input* in = c->input;
+    filter_output* out = c->output;
+    const stp_cpu_pixel_kernels* k = stp_cpu_choose_pixel_kernels();
+    const uint16_t* const rows[3] = {out->across, out->across, out->across};
+    for (int i = 0; i < REPEATS; ++i) {
+        k->light(in->pixels, out->light + 4, ROW);
+        k->weigh(in->kinds, out->weights, ROW);
+        k->across(out->light + 4, out->weights, out->across, ROW);
+        k->down(rows, out->weights, out->mixed, out->pixels, ROW);
     }
 }

@@ -111,3 +111,5 @@ void kernel_run_eye_dome(kernel_case* c);
 void kernel_run_pair(kernel_case* c);
 void kernel_run_blur(kernel_case* c);
 void kernel_run_blocks(kernel_case* c);
+bool kernel_make_pixels(kernel_case* c);
+void kernel_run_pixels(kernel_case* c);

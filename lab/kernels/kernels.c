@@ -41,6 +41,7 @@ const kernel kernels[] = {
     {"effects-pair", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_pair, NULL},
     {"effects-blur", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_blur, NULL},
     {"effects-spread", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_blocks, NULL},
+    {"pixel-filter", "src/draw/cpu/pixel_filter", AVX512, "pixel", kernel_make_pixels, kernel_reset_rows, kernel_run_pixels, NULL},
     {0},
 };
 // clang-format on

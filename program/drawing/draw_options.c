@@ -11,6 +11,7 @@
 #include <string.h>
 
 enum { HYBRID_ON, HYBRID_NODES, HYBRID_OFF };
+enum { PIXEL_FILTER_AUTO, PIXEL_FILTER_ON, PIXEL_FILTER_OFF };
 enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN, TRANSPARENCY_NEAREST };
 
 static size_t copy_options(option* table, size_t used, const option* from)
@@ -106,6 +107,15 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
              "--budget-ms; --budget-ms draws nearest, then pattern, in place of layers where those "
              "take too long",
          .value = &o->transparency,
+         .rare = true},
+        {.name = "pixel-filter",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "auto|on|off",
+         .help = "calm what aliases: each pixel of a picture with one sample becomes a mean of "
+                 "itself and its neighbours; default auto: on with --budget-ms and in flights, "
+                 "but not with --reference",
+         .value = &o->pixel_filter,
          .rare = true},
         OPTION_CUES(&o->cues),
         {0},
@@ -379,6 +389,9 @@ stp_draw_style draw_options_style(const draw_options* o)
     stp_draw_style style = o->settings.style;
     style.transparency =
         transparencies[o->transparency == TRANSPARENCY_AUTO ? by_default : o->transparency];
+    bool filters = (o->in_motion || o->budget_ms > 0.0) && !o->settings.quality.reference;
+    style.pixel_filter =
+        o->pixel_filter == PIXEL_FILTER_AUTO ? filters : o->pixel_filter == PIXEL_FILTER_ON;
     return style;
 }
 

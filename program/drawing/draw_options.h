@@ -26,6 +26,7 @@ typedef struct draw_options {
     double ipd;                ///< 0: not given
     const char* splat_texture; ///< a file
     int transparency;          ///< TRANSPARENCY_*
+    int pixel_filter;          ///< PIXEL_FILTER_*
     bool in_motion;            ///< set by the command: frames follow each other
     const char* point_size;
     point_color_options colors;

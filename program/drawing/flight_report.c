@@ -15,11 +15,12 @@ static json_t* describe_qualities(const flight_record* record)
     for (uint32_t i = 0; i < record->quality_count; ++i) {
         const stp_image_quality* q = &record->qualities[i].quality;
         const flight_quality* f = &record->qualities[i];
-        json_array_append_new(list, json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "frame",
-                                              (json_int_t)f->frame, "ssim", q->ssim, "ssim_covered",
-                                              q->ssim_covered, "ms_ssim", q->ms_ssim, "psnr",
-                                              q->psnr, "truth", f->truth, "exact", f->exact,
-                                              "ratio", stp_truth_ratio(f->truth, f->exact)));
+        json_array_append_new(
+            list, json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "frame",
+                            (json_int_t)f->frame, "ssim", q->ssim, "ssim_covered", q->ssim_covered,
+                            "ms_ssim", q->ms_ssim, "psnr", q->psnr, "truth", f->truth, "exact",
+                            f->exact, "exact_filtered", f->exact_filtered, "ratio",
+                            stp_truth_ratio(f->truth, f->exact)));
     }
     return list;
 }
@@ -142,14 +143,14 @@ void flight_print(const flight_record* record)
                record->popping_p50, record->popping_p999, record->popping_max);
     }
     if (record->quality_count > 0) {
-        printf("\n%8s %8s %8s %8s %8s %8s %8s %8s\n", "frame", "SSIM", "covered", "MS-SSIM", "PSNR",
-               "truth", "exact", "ratio");
+        printf("\n%8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "frame", "SSIM", "covered", "MS-SSIM",
+               "PSNR", "truth", "exact", "filtered", "ratio");
     }
     for (uint32_t i = 0; i < record->quality_count; ++i) {
         const stp_image_quality* q = &record->qualities[i].quality;
         const flight_quality* f = &record->qualities[i];
-        printf("%8u %8.4f %8.4f %8.4f %8.2f %8.4f %8.4f %8.4f\n", f->frame, q->ssim,
-               q->ssim_covered, q->ms_ssim, q->psnr, f->truth, f->exact,
+        printf("%8u %8.4f %8.4f %8.4f %8.2f %8.4f %8.4f %8.4f %8.4f\n", f->frame, q->ssim,
+               q->ssim_covered, q->ms_ssim, q->psnr, f->truth, f->exact, f->exact_filtered,
                stp_truth_ratio(f->truth, f->exact));
     }
 }

@@ -116,10 +116,10 @@ typedef struct study {
     uint32_t frame;
     stp_image ours[2], references[2];
     stp_popping popping;
-    // the true picture, and the originals with one sample, of the view compared last
-    stp_image truth, exact; ///< `exact` has no pixels where references have one sample
+    // the true picture of the view compared last, and how true the originals with one sample are
+    stp_image truth, exact; ///< `exact` is scratch
     stp_view compared;
-    double exact_truth;
+    double exact_truth, filtered_truth;
     bool has_truth;
 } study;
 
@@ -155,10 +155,19 @@ static stp_result compare_exact(void* user)
 {
     study* s = user;
     stp_image_quality quality;
-    const stp_image* exact = s->exact.pixels != NULL ? &s->exact : &s->references[s->frame & 1];
     stp_result result =
-        stp_image_compare(s->maker->context, exact, &s->truth, NULL, NULL, &quality);
+        stp_image_compare(s->maker->context, &s->exact, &s->truth, NULL, NULL, &quality);
     s->exact_truth = quality.ssim_covered;
+    return result;
+}
+
+/// Finds how true the originals with one sample are. @return in `truth`
+static stp_result measure_exact(study* s, const stp_view* view, bool filtered, double* truth)
+{
+    const stp_visibility* visibility = s->plan->quality.visibility;
+    stp_result result = frame_draw_originals(s->maker, view, visibility, 1, filtered, &s->exact);
+    result = result == STP_OK ? frame_do(s->maker, compare_exact, s) : result;
+    *truth = s->exact_truth;
     return result;
 }
 
@@ -169,11 +178,10 @@ static stp_result draw_truth(study* s, const stp_view* view)
     if (s->has_truth && stp_resting_is_same_view(&s->compared, view)) {
         return STP_OK;
     }
-    stp_result result = frame_draw_originals(s->maker, view, visibility, TRUTH_SIDE, &s->truth);
-    if (result == STP_OK && s->exact.pixels != NULL) {
-        result = frame_draw_originals(s->maker, view, visibility, 1, &s->exact);
-    }
-    result = result == STP_OK ? frame_do(s->maker, compare_exact, s) : result;
+    stp_result result =
+        frame_draw_originals(s->maker, view, visibility, TRUTH_SIDE, false, &s->truth);
+    result = result == STP_OK ? measure_exact(s, view, true, &s->filtered_truth) : result;
+    result = result == STP_OK ? measure_exact(s, view, false, &s->exact_truth) : result;
     s->compared = *view;
     s->has_truth = result == STP_OK;
     return result;
@@ -185,7 +193,9 @@ static stp_result compare_frame(study* s, const stp_view* view)
     result = result == STP_OK ? draw_truth(s, view) : result;
     result = result == STP_OK ? frame_do(s->maker, compare_truth, s) : result;
     if (result == STP_OK) {
-        s->record->qualities[s->record->quality_count++].exact = s->exact_truth;
+        flight_quality* q = &s->record->qualities[s->record->quality_count++];
+        q->exact = s->exact_truth;
+        q->exact_filtered = s->filtered_truth;
     }
     return result;
 }
@@ -220,8 +230,8 @@ static stp_result study_frame(study* s, uint32_t i)
         result = frame_do(s->maker, get_picture, s);
     }
     if (result == STP_OK && (compared || plan->popping)) {
-        stp_quality whole = {.reference = true, .visibility = plan->quality.visibility};
-        result = frame_draw(s->maker, &view, &whole, &s->references[i & 1], &figures);
+        result = frame_draw_originals(s->maker, &view, plan->quality.visibility, style.supersample,
+                                      false, &s->references[i & 1]);
     }
     if (result == STP_OK && compared) {
         result = compare_frame(s, &view);
@@ -245,8 +255,7 @@ static bool create_images(study* s)
     }
     created =
         created && (!compares || frame_maker_create_image(s->maker, width, height, &s->truth));
-    return created && (!compares || s->maker->style.supersample <= 1 ||
-                       frame_maker_create_image(s->maker, width, height, &s->exact));
+    return created && (!compares || frame_maker_create_image(s->maker, width, height, &s->exact));
 }
 
 static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_record* record)

@@ -33,7 +33,8 @@ typedef struct flight_quality {
     stp_image_quality quality; ///< likeness to the originals, drawn like the frame
     /// Truth (docs/measuring.md): covered SSIM to the originals with 16 samples a pixel
     double truth;
-    double exact; ///< truth of the originals with one sample a pixel
+    double exact;          ///< truth of the originals with one sample a pixel
+    double exact_filtered; ///< the same after the pixel filter
 } flight_quality;
 
 /// Quantiles of a value over the frames, from smallest to largest.

@@ -213,12 +213,14 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
 }
 
 stp_result frame_draw_originals(frame_maker* maker, const stp_view* view,
-                                const stp_visibility* visibility, uint32_t side, stp_image* image)
+                                const stp_visibility* visibility, uint32_t side, bool filtered,
+                                stp_image* image)
 {
     frame_figures figures;
     stp_draw_style style = maker->style;
     const stp_quality whole = {.reference = true, .visibility = visibility};
     style.supersample = side;
+    style.pixel_filter = filtered;
     return draw(maker, view, &whole, &style, image, &figures);
 }
 

@@ -65,11 +65,11 @@ STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);
 
-/// Draws the originals, without approximation, with `side` x `side` samples a pixel. `visibility`
-/// may be NULL.
+/// Draws the originals, without approximation, with `side` x `side` samples a pixel, with or without
+/// the pixel filter. `visibility` may be NULL.
 STP_MUST_USE stp_result frame_draw_originals(frame_maker* maker, const stp_view* view,
                                              const stp_visibility* visibility, uint32_t side,
-                                             stp_image* image);
+                                             bool filtered, stp_image* image);
 
 /// Draws a view repeatedly until everything it wants is loaded, or memory is full.
 STP_MUST_USE stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view,

@@ -77,6 +77,9 @@ typedef struct stp_draw_style {
     /// Backs of single-sided materials (STP_SHADING_FRONT_ONLY) are drawn, too. They are also while
     /// the view has sections: a cut solid shows its inside.
     bool back_faces;
+    /// Pictures with one sample a pixel pass the pixel filter, which calms what aliases. Pictures of
+    /// several samples do not need it.
+    bool pixel_filter;
     bool caps; ///< fills closed solids that the view's sections cut (draw/caps.h)
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim:
     /// for `stipple-lab bench quality`, which compares depths. CPU, without a filter.
@@ -100,7 +103,8 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
            a->transparency == b->transparency && a->ghost == b->ghost &&
            a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
            a->elevation[1] == b->elevation[1] && a->caps == b->caps &&
-           a->back_faces == b->back_faces && a->plane_depth == b->plane_depth;
+           a->back_faces == b->back_faces && a->pixel_filter == b->pixel_filter &&
+           a->plane_depth == b->plane_depth;
 }
 
 typedef struct stp_draw_stats {

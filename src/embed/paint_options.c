@@ -28,6 +28,9 @@ static const char* find_fault(const stp_painter* painter, const stp_paint_desc* 
         desc->ghost < 0.0f || desc->ghost > 1.0f) {
         return "budget_ms, eye_dome, ambient_occlusion or ghost is out of range";
     }
+    if ((uint32_t)desc->pixel_filter > STP_PIXEL_FILTER_OFF) {
+        return "pixel_filter is not a value of stp_pixel_filter";
+    }
     if ((uint32_t)desc->coloring > STP_PIXELS_NORMALS) {
         return "coloring is not a value of stp_pixel_coloring";
     }
@@ -51,6 +54,13 @@ static stp_result find_method(const stp_painter* painter, const char* name, uint
                ? STP_OK
                : stp_fail(painter->model->context, STP_ERROR_ARGUMENT,
                           "stp_paint_desc: the file has no splats of method %s", name);
+}
+
+static bool filters_pixels(const stp_paint_desc* desc)
+{
+    bool moves = desc->budget_ms > 0.0 && !desc->accumulate && !desc->triangles_only;
+    return desc->pixel_filter == STP_PIXEL_FILTER_AUTO ? moves
+                                                       : desc->pixel_filter == STP_PIXEL_FILTER_ON;
 }
 
 stp_result stp_painter_read_options(const stp_painter* painter, const stp_paint_desc* desc,
@@ -80,6 +90,7 @@ stp_result stp_painter_read_options(const stp_painter* painter, const stp_paint_
                               .ghost = desc->ghost,
                               .caps = desc->caps,
                               .back_faces = desc->back_faces,
+                              .pixel_filter = filters_pixels(desc),
                               .coloring = (stp_draw_coloring)desc->coloring,
                               .elevation = {desc->elevation[0], desc->elevation[1]}};
     memcpy(style->background_color, desc->background_color, sizeof(style->background_color));

@@ -51,6 +51,9 @@ void test_gl_pictures_match_the_cpu_in_every_style(test_state* test)
         {.eye_dome = 1.0f},
         {.ambient_occlusion = 0.5f},
         {.supersample = 2, .eye_dome = 1.0f, .background = true},
+        {.pixel_filter = true},
+        {.pixel_filter = true, .eye_dome = 1.0f, .background = true},
+        {.pixel_filter = true, .supersample = 2},
     };
     made_gl m;
     if (!begin(test, &m, NULL)) {

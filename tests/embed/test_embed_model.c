@@ -343,9 +343,14 @@ void test_embed_picks_and_measures(test_state* test)
 
 static const char* fault_of_options(opened_town* town, uint8_t* pixels)
 {
-    const stp_paint_desc wrong[] = {
-        {.splat_size = 0.5f}, {.budget_ms = -1.0}, {.method = "none"},           {.ghost = 2.0f},
-        {.samples = 65},      {.eye_dome = -1.0f}, {.splat_size = 1e30f * 1e30f}};
+    const stp_paint_desc wrong[] = {{.splat_size = 0.5f},
+                                    {.budget_ms = -1.0},
+                                    {.method = "none"},
+                                    {.ghost = 2.0f},
+                                    {.samples = 65},
+                                    {.eye_dome = -1.0f},
+                                    {.splat_size = 1e30f * 1e30f},
+                                    {.pixel_filter = (stp_pixel_filter)3}};
     for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); ++i) {
         int before = town->log.errors;
         if (embed_draw(town->model, &wrong[i], pixels) != STP_ERROR_ARGUMENT ||
@@ -366,6 +371,7 @@ static const char* fault_of_options(opened_town* town, uint8_t* pixels)
                                     {.coloring = STP_PIXELS_NORMALS},
                                     {.coloring = STP_PIXELS_ELEVATION},
                                     {.accumulate = true},
+                                    {.pixel_filter = STP_PIXEL_FILTER_ON},
                                     {.budget_ms = 10.0}};
     for (size_t i = 0; i < sizeof(right) / sizeof(right[0]); ++i) {
         if (embed_draw(town->model, &right[i], pixels) != STP_OK) {
@@ -392,7 +398,7 @@ void test_embed_checks_options(test_state* test)
 void test_embed_budget_leaves_effects_out(test_state* test)
 {
     static uint8_t plain[PIXELS], dark[PIXELS], budgeted[PIXELS], resting[PIXELS];
-    const stp_paint_desc none = {.splat_size = 24.0f};
+    const stp_paint_desc none = {.splat_size = 24.0f, .pixel_filter = STP_PIXEL_FILTER_ON};
     const stp_paint_desc occlusion = {.splat_size = 24.0f, .ambient_occlusion = 0.1f};
     stp_paint_desc budget = {
         .budget_ms = 1e-6, .splat_size = 24.0f, .ambient_occlusion = 0.1f, .samples = 2};

@@ -48,6 +48,8 @@ void test_refinement_takes_effects_back_in_the_first_frame_at_rest(test_state* t
     refinement r = move(&budget, 120.0, 20.0);
     CHECK(r.left_out && r.size > 1.5f);
     CHECK_EQUAL(STAGE_RESTS, r.stage);
+    const refinement moves = {.stage = STAGE_MOVES};
+    CHECK(refinement_style(&moves, &asked, &budget, true).pixel_filter);
     stp_draw_style style = refinement_style(&r, &asked, &budget, true);
     CHECK(stp_draw_style_is_same(&style, &asked.style));
     CHECK(refinement_size(&r, &asked, &budget) == 1.0f); // 141 ms are short enough

@@ -146,6 +146,14 @@ typedef struct stp_cpu_effects {
     stp_depth_pyramid pyramid; ///< for parallel projection, without a culling pyramid
 } stp_cpu_effects;
 
+/// Memory for the pixel filter (pixel_filter.h).
+typedef struct stp_cpu_pixel_filter {
+    uint8_t* memory;
+    size_t capacity;
+    uint8_t* kinds; ///< one a pixel of the current eye: 1 where it shows a splat; NULL: unused
+    uint8_t *borders, *scratch;
+} stp_cpu_pixel_filter;
+
 /// Memory for the filter (passes.h).
 typedef struct stp_cpu_blend {
     stp_raster_plane* planes;
@@ -227,6 +235,7 @@ typedef struct stp_cpu_renderer {
         pyramids[STP_EYES_MAX]; ///< depths of the eyes' last pictures; no levels: none
     size_t late_count;          ///< occlusion bits of all items, in units of 16
     stp_cpu_effects effects;
+    stp_cpu_pixel_filter pixel_filter;
     stp_cpu_accumulation accumulation;
     stp_cpu_blend blend;
     stp_caps* caps; ///< NULL until a style needs them

@@ -5,6 +5,7 @@
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
 #include "draw/cpu/passes.h"
+#include "draw/cpu/pixel_filter.h"
 #include "draw/placement.h"
 
 #include <assert.h>
@@ -29,6 +30,7 @@ static void destroy(stp_renderer* renderer)
     stp_cpu_destroy_textures(r);
     stp_cpu_destroy_shading(r);
     stp_cpu_destroy_effects(r);
+    stp_cpu_destroy_pixel_filter(r);
     stp_cpu_destroy_accumulation(r);
     stp_cpu_destroy_blend(r);
     stp_caps_destroy(r->caps);

@@ -4,6 +4,7 @@
 #include "base/core/clock.h"
 #include "draw/cpu/effects.h"
 #include "draw/cpu/layers.h"
+#include "draw/cpu/pixel_filter.h"
 #include "draw/placement.h"
 
 #include <assert.h>
@@ -140,7 +141,9 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
     bool blends = stp_cpu_has_filter(r->style) && r->splat_size > 0.0f;
     bool disks = r->style->splat_shape == STP_SPLAT_DISK; // squares have no planes
     bool planes = disks && r->style->plane_depth && !blends && r->splat_size > 0.0f;
+    bool filters = stp_cpu_filters_pixels(r);
     stp_result result = blends || planes ? stp_cpu_find_visible(r) : STP_OK;
+    result = result == STP_OK && filters ? stp_cpu_begin_pixel_filter(r) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -170,6 +173,9 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
         double start = stp_clock_ms();
         result = stp_cpu_draw_layers(r);
         stats->layer_ms += stp_clock_ms() - start;
+    }
+    if (result == STP_OK && filters) {
+        stp_cpu_filter_pixels(r);
     }
     return result;
 }
@@ -279,7 +285,7 @@ stp_result stp_cpu_draw_accumulated(stp_cpu_renderer* r, const stp_draw_list* li
     assert(first <= end && end <= side * side);
     const stp_draw_style* style = r->style;
     stp_draw_style bare = *style;
-    bare.background = false;
+    bare.background = bare.pixel_filter = false;
     r->style = &bare;
     r->sample_count = 1;
     r->sample = 0;

@@ -299,6 +299,21 @@ static void spread_row(const shader* s, const stp_cpu_shade_tile* tile, uint32_t
     }
 }
 
+/// Records which pixels of a row show splats, for the pixel filter.
+static void write_kinds(const shader* s, const stp_cpu_shade_tile* tile, uint32_t row)
+{
+    uint8_t kinds[2 * SHADE_WIDTH];
+    for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
+        const stp_cpu_shade_run* run = &tile->runs[i];
+        uint64_t eight = s->memory->splats[run->surface] * 0x0101010101010101u;
+        for (uint32_t k = 0; k < run->length; k += sizeof(eight)) {
+            memcpy(kinds + run->x + k, &eight, sizeof(eight)); // the next run writes over the rest
+        }
+    }
+    memcpy(s->r->pixel_filter.kinds + (size_t)(tile->y + row) * s->r->width + tile->x, kinds,
+           tile->width);
+}
+
 static void write_tile(const shader* s, const stp_cpu_shade_tile* tile)
 {
     if (s->r->layers.stage == CPU_LAYERS_PEEL) {
@@ -307,6 +322,9 @@ static void write_tile(const shader* s, const stp_cpu_shade_tile* tile)
     }
     for (uint32_t row = 0; row < tile->height; ++row) {
         spread_row(s, tile, row);
+        if (s->r->pixel_filter.kinds != NULL) {
+            write_kinds(s, tile, row);
+        }
         if (s->r->sample_count > 1) {
             add_to_sums(s, tile, row);
         } else {
@@ -324,6 +342,9 @@ static void write_nothing(const shader* s, const stp_cpu_shade_tile* tile)
     for (uint32_t row = 0; row < tile->height; ++row) {
         size_t at = (size_t)(tile->y + row) * r->width + tile->x;
         memset(r->depth + at, 0, tile->width * sizeof(float));
+        if (r->pixel_filter.kinds != NULL) {
+            memset(r->pixel_filter.kinds + at, 0, tile->width);
+        }
         if (r->sample_count == 1) {
             for (size_t i = 0; i < tile->width; ++i) {
                 memcpy(r->image->pixels + 4 * (at + i), &s->empty, sizeof(s->empty));

@@ -155,6 +155,7 @@ struct stp_cpu_shade_memory {
     uint32_t cluster[SHADE_KEPT]; ///< triangles: index of the cluster
     stp_cpu_shade_nearness nearness[SHADE_KEPT + 1];
     uint8_t kind[SHADE_KEPT + 1];
+    uint8_t splats[SHADE_KEPT + 1]; ///< 1 for surfaces of splats
     uint32_t tile_count;
     uint32_t last_item;
     stp_cpu_shade_tile tiles[2];

@@ -176,6 +176,7 @@ void stp_cpu_make_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory* memo
         assert((item->kind == STP_DRAW_MESH || index < item->count) && "a splat of the item");
         memory->nearness[at] = item->nearness;
         memory->kind[at] = SHADE_FLAT;
+        memory->splats[at] = item->kind != STP_DRAW_MESH ? 1 : 0;
         if (item->kind != STP_DRAW_MESH) {
             stp_cpu_make_splat_surface(r, slot, index, surface);
         } else {

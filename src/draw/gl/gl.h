@@ -28,6 +28,7 @@
     X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
     X(PFNGLCOLORMASKPROC, ColorMask)                                                               \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLCOPYIMAGESUBDATAPROC, CopyImageSubData)                                                 \
     X(PFNGLCOPYNAMEDBUFFERSUBDATAPROC, CopyNamedBufferSubData)                                     \
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
     X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                             \

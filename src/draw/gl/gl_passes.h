@@ -45,6 +45,23 @@ void stp_gl_effect_pass_destroy(struct stp_gl_renderer* r);
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED; logged
 STP_MUST_USE stp_result stp_gl_effect_pass_draw(struct stp_gl_renderer* r);
 
+// The pixel filter, in the same integers as on the CPU (draw/cpu/pixel_filter.h).
+
+/// Program and textures are created on first use. Zero-initialize it.
+typedef struct stp_gl_pixel_filter_pass {
+    GLuint program;
+    GLuint kinds;                       ///< R8UI: of an eye's pixels, 1 where they show a splat
+    GLuint copy;                        ///< the picture before it is filtered
+    uint32_t width, height, full_width; ///< sizes of the textures
+} stp_gl_pixel_filter_pass;
+
+void stp_gl_pixel_filter_pass_destroy(struct stp_gl_renderer* r);
+/// Call before shading, which then records what pixels show. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY, or as stp_gl_program_create; logged
+STP_MUST_USE stp_result stp_gl_pixel_filter_pass_begin(struct stp_gl_renderer* r);
+/// Filters the current eye's finished picture.
+void stp_gl_pixel_filter_pass_draw(struct stp_gl_renderer* r);
+
 // Blends overlapping splats: in two more passes after the visibility buffer (STP_FILTER_EWA), or in
 // one pass that replaces it (STP_FILTER_BLEND, STP_FILTER_TEXTURED). Both produce sums of weighted
 // colours, which shading divides by the sums of weights.

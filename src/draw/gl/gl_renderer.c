@@ -43,6 +43,7 @@ static void destroy(stp_renderer* renderer)
         stp_gl_target_destroy(r);
         stp_gl_frame_destroy(r);
         stp_gl_effect_pass_destroy(r);
+        stp_gl_pixel_filter_pass_destroy(r);
         stp_gl_cap_pass_destroy(r);
         stp_gl_layer_pass_destroy(r);
         stp_gl_pool_destroy(&r->pool);

@@ -40,8 +40,8 @@ typedef struct stp_gl_triangle_pass {
 } stp_gl_triangle_pass;
 
 typedef struct stp_gl_shade_pass {
-    GLuint shade, sums, average, add; ///< all but the first are created on first use
-    GLuint counters;                  ///< one word per stp_gl_counter
+    GLuint shade, kinds, sums, average, add; ///< all but the first are created on first use
+    GLuint counters;                         ///< one word per stp_gl_counter
     GLuint copied; ///< copy of the counters: drivers move a buffer that is read to the CPU's memory
 } stp_gl_shade_pass;
 
@@ -199,6 +199,7 @@ struct stp_gl_renderer {
     stp_gl_triangle_pass triangles;
     stp_gl_shade_pass shade;
     stp_gl_effect_pass effects;
+    stp_gl_pixel_filter_pass pixel_filter;
     stp_gl_cap_pass cap_pass;
     stp_gl_layer_pass layer_pass;
     stp_front_only front_only;        ///< which splat shadings are drawn from the front only
@@ -259,8 +260,9 @@ STP_MUST_USE stp_result stp_gl_portion_wait(stp_gl_renderer* r);
 
 STP_MUST_USE stp_result stp_gl_shade_pass_create(stp_gl_renderer* r);
 void stp_gl_shade_pass_destroy(stp_gl_renderer* r);
-/// Draws one sample into the picture or the sums. @return as stp_gl_program_create
-STP_MUST_USE stp_result stp_gl_shade_pass_draw(stp_gl_renderer* r, bool sums);
+/// Draws one sample into the picture or the sums. `kinds`: records what each pixel shows, for the
+/// pixel filter. @return as stp_gl_program_create
+STP_MUST_USE stp_result stp_gl_shade_pass_draw(stp_gl_renderer* r, bool sums, bool kinds);
 /// Adds the picture to the sums. @return as stp_gl_program_create
 STP_MUST_USE stp_result stp_gl_shade_pass_add(stp_gl_renderer* r);
 /// Resolves the sums into the picture. @return as stp_gl_program_create

@@ -35,6 +35,7 @@ void stp_gl_shade_pass_destroy(stp_gl_renderer* r)
 {
     stp_gl_shade_pass* pass = &r->shade;
     r->gl.DeleteProgram(pass->shade);
+    r->gl.DeleteProgram(pass->kinds);
     r->gl.DeleteProgram(pass->sums);
     r->gl.DeleteProgram(pass->average);
     r->gl.DeleteProgram(pass->add);
@@ -60,24 +61,27 @@ static void finish(stp_gl_renderer* r)
                         GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-stp_result stp_gl_shade_pass_draw(stp_gl_renderer* r, bool sums)
+stp_result stp_gl_shade_pass_draw(stp_gl_renderer* r, bool sums, bool kinds)
 {
     assert((!sums || r->target.sums != 0) && "the target is made for sums");
+    assert(!(sums && kinds) && "sums are not filtered");
     char defines[256];
-    if (sums) {
-        stp_result result =
-            need(r, &r->shade.sums, "shade.comp.glsl",
-                 stp_gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)));
-        if (result != STP_OK) {
-            return result;
-        }
+    GLuint* program = sums ? &r->shade.sums : kinds ? &r->shade.kinds : &r->shade.shade;
+    const char* define = sums ? "#define SUMS\n" : kinds ? "#define KINDS\n" : "";
+    stp_result result = need(r, program, "shade.comp.glsl",
+                             stp_gl_page_defines(r, define, defines, sizeof(defines)));
+    if (result != STP_OK) {
+        return result;
+    }
+    if (kinds) {
+        r->gl.BindImageTexture(IMAGE_KINDS, r->pixel_filter.kinds, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                               GL_R8UI);
     }
     bind_pictures(r, sums);
     r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
     r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
     stp_gl_filter_pass_bind(r);
-    stp_gl_dispatch_pixels(r, sums ? r->shade.sums : r->shade.shade, r->target.width,
-                           r->target.height);
+    stp_gl_dispatch_pixels(r, *program, r->target.width, r->target.height);
     finish(r);
     return STP_OK;
 }

@@ -45,6 +45,7 @@
 #define IMAGE_LIGHT 5 // colour of the layers so far, and their transmittance
 #define IMAGE_BELOW 6
 #define IMAGE_OPTICAL 7 // optical depths of all triangles
+#define IMAGE_KINDS 3   // what pixels show, while they are shaded
 
 #define GROUP_SIDE 8 // size of a compute group over pixels
 #define LOCK_TRIES 65536

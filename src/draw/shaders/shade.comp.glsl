@@ -11,6 +11,9 @@ layout(r32f, binding = IMAGE_DEPTH) uniform writeonly image2D depths;
 #ifdef SUMS
 layout(rgba32f, binding = IMAGE_SUMS) uniform image2D sums;
 #endif
+#ifdef KINDS
+layout(r8ui, binding = IMAGE_KINDS) uniform writeonly uimage2D kinds;
+#endif
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered; };
 
 layout(binding = UNIT_BLENDED) uniform sampler2D blends; // sums of weighted colours, and of weights
@@ -18,9 +21,10 @@ layout(binding = UNIT_BLENDED) uniform sampler2D blends; // sums of weighted col
 shared uint group_covered;
 
 // @return linear colour
-vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
+vec3 shade(ivec2 pixel, uint id, float nearness, out float depth, out bool splat)
 {
     item_block item = items[find_item(id)];
+    splat = item.kind != KIND_MESH;
     depth = item.near_factor * nearness + item.near_shift;
     vec4 blended = view.filtered != FILTER_NONE && item.kind != KIND_MESH ? texelFetch(blends, pixel, 0) : vec4(0.0);
     if (blended.a > 0.0) {
@@ -45,14 +49,17 @@ void main()
     if (inside) {
         float nearness, depth = 0.0;
         uint id = read_visible(pixel, nearness);
-        bool there = id != NO_ID;
+        bool there = id != NO_ID, splat = false;
         vec3 color = vec3(0.0);
         if (there) {
-            color = shade(pixel, id, nearness, depth);
+            color = shade(pixel, id, nearness, depth, splat);
             atomicAdd(group_covered, view.counts);
         }
         imageStore(depths, pixel + ivec2(0, view.depth_y), vec4(depth, 0.0, 0.0, 0.0));
         ivec2 place = pixel + ivec2(view.picture_x, 0);
+#ifdef KINDS
+        imageStore(kinds, pixel, uvec4(splat ? 1u : 0u));
+#endif
 #ifdef SUMS
         vec4 sum = there ? vec4(min(color, vec3(1.0)), 1.0) : vec4(0.0);
         if (view.sample_number > 0u) {

@@ -23,8 +23,8 @@ enum { DIRECTIONS = STP_GROWTH_DIRECTIONS, PARTS = DIRECTIONS / LANES };
 _Static_assert(STP_GROWTH_LANES % LANES == 0, "lists are read in whole vectors");
 
 #define STEEP 1.0f // neighbours may lie this far from the plane, relative to their distance in it
-#define BETWEEN 1.05f  // corners of a cell may lie between two directions
-#define ONE_SIDED 1.3f // how much farther a cell may reach than on its opposite side
+#define BETWEEN 1.05f    // corners of a cell may lie between two directions
+#define ONE_SIDED 1.3f   // how much farther a cell may reach than on its opposite side
 #define INNER_SIDED 2.0f // the same for an enclosed cell
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));

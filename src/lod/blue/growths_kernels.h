@@ -30,9 +30,9 @@ typedef struct stp_plane_cell {
 
 /// How far a finished cell counts.
 typedef struct stp_cell_limits {
-    float plain;  ///< where nothing is opposite
-    float closed; ///< nearness from which a direction is closed
-    float hole;   ///< how far it then counts
+    float plain;    ///< where nothing is opposite
+    float closed;   ///< nearness from which a direction is closed
+    float hole;     ///< how far it then counts
     float enclosed; ///< least nearness from which a cell has no border of the surface
     float most;     ///< how far any direction counts
 } stp_cell_limits;
