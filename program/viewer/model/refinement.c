@@ -37,7 +37,9 @@ stp_draw_style refinement_style(const refinement* r, const paint_request* reques
     }
     uint32_t left_out = request->budget_ms > 0.0 ? stp_budget_left_out(budget) : layers;
     left_out &= transparent ? ~0u : ~glass;
-    return stp_draw_style_without(&request->style, left_out);
+    stp_draw_style style = stp_draw_style_without(&request->style, left_out);
+    style.pixel_filter = !request->quality.reference;
+    return style;
 }
 
 static refinement_stage next_stage(const refinement* r, const paint_request* request,
