@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A SpaceMouse in stipple view: it moves the model or the camera, its buttons frame and switch, and
-# the viewer goes on when its daemon ends. Arguments: executable, scratch folder. The test waits for
+# A SpaceMouse in stipple view: it moves the model or the camera, the wheel zooms while it holds the
+# model, its buttons frame and switch, and the viewer goes on when its daemon ends. Arguments: executable, scratch folder. The test waits for
 # the state in --report; it does not depend on timing.
 # needs: stipple-lab
 set -u
@@ -29,6 +29,17 @@ wait_until 'distance(camera["eye"], k["camera"]["eye"]) > 0.1'
 echo "0" >&7
 wait_until 'r["rests"]'
 check "turn" 'near(distance(camera["eye"], camera["pivot"]), distance(k["camera"]["eye"], k["camera"]["pivot"])) and camera["up"][1] > 0.5'
+check "the distance of the content changes no reach" 'near(camera["reach"], k["camera"]["reach"])'
+# meanwhile the wheel zooms, as with the mouse alone: only a flight has a speed
+keep
+xdotool mousemove 320 200
+echo "0 0 0 0 0 50 0" >&7
+wait_until 'not r["rests"] and distance(camera["eye"], k["camera"]["eye"]) > 0.01'
+xdotool click 4
+wait_until 'camera["reach"] < 0.999 * k["camera"]["reach"] or camera["speed"] != k["camera"]["speed"]'
+echo "0" >&7
+wait_until 'r["rests"]'
+check "the wheel zooms" 'camera["reach"] < 0.999 * k["camera"]["reach"] and camera["speed"] == k["camera"]["speed"]'
 # the first button fits again, the second switches to flight
 echo "1 0" >&7
 wait_until 'r["rests"] and picture["complete"]'

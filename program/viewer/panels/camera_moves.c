@@ -153,9 +153,10 @@ void camera_face(viewer* v, const char* name)
     }
 }
 
-void camera_frame(viewer* v)
+void camera_frame(viewer* v, bool level)
 {
     stp_navigator to = v->camera;
+    to.roll = level ? 0.0 : to.roll;
     if (v->scene != NULL) {
         framing_frame(v, &to);
         camera_glide(v, &to);

@@ -343,10 +343,10 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
         if (v->explorer != NULL) {
             explorer_choose(v->explorer, NULL, false);
         }
-        camera_frame(v);
+        camera_frame(v, false);
         break;
     case SDLK_f:
-        camera_frame(v);
+        camera_frame(v, false);
         break;
     case SDLK_h:
         v->shows_help = !v->shows_help;
@@ -379,7 +379,7 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
 static void take_button(viewer* v, Uint8 button)
 {
     if (button == SDL_CONTROLLER_BUTTON_A) {
-        camera_frame(v);
+        camera_frame(v, false);
     } else if (button == SDL_CONTROLLER_BUTTON_DPAD_UP) {
         stp_navigator_change_speed(&v->camera, 1.0);
     } else if (button == SDL_CONTROLLER_BUTTON_DPAD_DOWN) {
@@ -430,16 +430,22 @@ void input_step(viewer* v, double seconds)
         moves[2] = (double)(held[SDL_SCANCODE_W] - held[SDL_SCANCODE_S]);
     }
     bool turns = step_pad(v, moves, seconds);
-    bool pushed = space_mouse_step(v, seconds);
-    bool flies = moves[0] != 0.0 || moves[1] != 0.0 || moves[2] != 0.0;
-    if (flies && v->has_camera) {
+    bool by_space_mouse = space_mouse_step(v, seconds);
+    bool by_keys = moves[0] != 0.0 || moves[1] != 0.0 || moves[2] != 0.0;
+    if (by_keys && v->has_camera) {
         v->glide_start = -1.0;
         stp_navigator_fly(&v->camera, moves, seconds, (mods & KMOD_SHIFT) != 0 ? faster : 1.0);
     }
+    bool flies = ((by_keys || turns) && v->has_camera) || by_space_mouse;
     if (flies != v->input.flies) {
         viewer_redraw(v);
     }
-    v->input.flies = ((flies || turns) && v->has_camera) || pushed;
+    v->input.flies = flies;
+}
+
+bool input_moves(const viewer* v)
+{
+    return v->input.flies || v->input.pushed;
 }
 
 void input_begin(viewer* v)

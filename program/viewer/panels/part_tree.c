@@ -19,7 +19,7 @@ static void take_row_click(viewer* v, const stp_outline_item* item, int clicked,
     }
     if ((clicked & GUI_ROW_DOUBLE) != 0) {
         explorer_choose(e, item, false);
-        camera_frame(v);
+        camera_frame(v, false);
     }
 }
 
@@ -182,7 +182,7 @@ void parts_show(viewer* v, float x, float y, float width, float height)
         v->enters = false;
         if (e->found_count > 0) {
             explorer_choose(e, &e->found[0].item, false);
-            camera_frame(v);
+            camera_frame(v, false);
         }
     }
     float details = 15.0f * (gui_text_height() + gui_gap()) + 2.0f * gui_line_height();

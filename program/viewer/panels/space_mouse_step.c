@@ -2,21 +2,10 @@
 // The SpaceMouse moves the camera or the model; its first two buttons frame and switch between them.
 #include "program/viewer/panels/panels.h"
 
-/// Frames the selected part or everything, and levels a tilted horizon.
-static void frame_level(viewer* v)
-{
-    stp_navigator to = v->camera;
-    to.roll = 0.0;
-    if (v->scene != NULL) {
-        framing_frame(v, &to);
-        camera_glide(v, &to);
-    }
-}
-
 static void press_space_mouse(viewer* v, uint32_t pressed)
 {
     if ((pressed & SPACE_MOUSE_FRAME) != 0) {
-        frame_level(v);
+        camera_frame(v, true);
     }
     if ((pressed & SPACE_MOUSE_SWITCH) != 0) {
         v->settings.space_mouse_flies = !v->settings.space_mouse_flies;
@@ -52,5 +41,5 @@ bool space_mouse_step(viewer* v, double seconds)
         stp_navigator_begin_orbit(&v->camera, seen ? &point : NULL);
     }
     stp_navigator_hold_six(&v->camera, &motion.axes, seconds);
-    return true;
+    return false;
 }

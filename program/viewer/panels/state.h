@@ -92,8 +92,8 @@ typedef struct input_state {
     double pan_depth; ///< depth of the dragged point
     SDL_GameController* pad;
     space_mouse* space_mouse; ///< NULL: built without support
-    bool pushed;              ///< the SpaceMouse moves the camera
-    bool flies;               ///< keys, sticks or the SpaceMouse move the camera
+    bool pushed;              ///< the SpaceMouse moves the camera or the model
+    bool flies;               ///< keys, sticks or the SpaceMouse fly the camera
 } input_state;
 
 /// A rectangle of the window, in pixels.
@@ -238,7 +238,8 @@ void camera_begin(viewer* v); ///< for a new scene
 void camera_glide(viewer* v, const stp_navigator* to);
 void camera_step(viewer* v, double seconds);
 void camera_face(viewer* v, const char* name);
-void camera_frame(viewer* v);
+/// Frames the selected part or everything. `level`: also levels a tilted horizon.
+void camera_frame(viewer* v, bool level);
 void camera_switch_projection(viewer* v);
 /// The scene point at a position of the window. @return false if there is none
 bool camera_seen(const viewer* v, float x, float y, stp_vec3d* point);
@@ -258,12 +259,15 @@ void framing_step(viewer* v);
 void input_take(viewer* v, const SDL_Event* event);
 /// Moves the camera by held keys, sticks and the SpaceMouse.
 void input_step(viewer* v, double seconds);
+/// Whether one of them moves the camera or the model.
+bool input_moves(const viewer* v);
 /// Starts support of gamepads and of a SpaceMouse.
 void input_begin(viewer* v);
 void input_destroy(viewer* v);
 
 // space_mouse_step.c
-/// Handles what the SpaceMouse has sent. @return whether it moves the camera
+/// Handles what the SpaceMouse has sent. @return whether it flies the camera; otherwise it is
+/// at rest or moves the model
 bool space_mouse_step(viewer* v, double seconds);
 
 // panels.c

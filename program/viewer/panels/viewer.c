@@ -120,7 +120,7 @@ bool viewer_is_idle(const viewer* v)
                    (v->scene != NULL && v->scene->serial == v->opening) ||
                    messages_error(v) != NULL;
     bool reads = v->explorer != NULL && explorer_works(v->explorer);
-    bool moves = v->glide_start >= 0.0 || v->input.flies || v->record.plays;
+    bool moves = v->glide_start >= 0.0 || input_moves(v) || v->record.plays;
     return !loads && !opens && shown && adopted && !moves && !reads && v->shot == NULL;
 }
 
@@ -282,7 +282,7 @@ static void take_event(viewer* v, const SDL_Event* event)
 static int choose_wait(viewer* v)
 {
     bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
-    bool moves = v->input.flies || v->glide_start >= 0.0 || v->record.plays || v->record.on ||
+    bool moves = input_moves(v) || v->glide_start >= 0.0 || v->record.plays || v->record.on ||
                  (v->explorer != NULL && explorer_works(v->explorer));
     if (v->dirty == 0 && gui_awaits_tooltip()) {
         v->dirty = 1; // a tooltip is about to appear
