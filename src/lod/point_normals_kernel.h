@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sums over the neighbours of points, and normals from these sums, several at a time: compiled for
-// CPUs with vectors of 16 and 32 bytes. Each lane adds its own neighbours, so all variants give the
-// same bits.
+// CPUs with vectors of 16 and 32 bytes. All variants add the same neighbours in the same order, and
+// each lane has a matrix of its own, so they give the same bits.
 #pragma once
 
 #include "lod/point_normals_kernels.h"
@@ -9,35 +9,32 @@
 #include <assert.h>
 #include <string.h>
 
+#if defined(__AVX2__)
+enum { LANES = 8 };
+#else
+enum { LANES = 4 };
+#endif
 enum {
-    LANES = 8,
+    RESIDUES = 8,       ///< partial sums of a list: one for each residue of the index modulo 8
     MAX_SQUARINGS = 12, ///< squarings of a matrix: its 4096th power
 };
 /// Twice the share of the other eigenvalues in the trace, before the last squaring squares it
 #define CONVERGED 1e-5f
 
-_Static_assert(STP_NEAR_POINTS_MAX % LANES == 0, "lists are read in whole vectors");
+_Static_assert(STP_NEAR_POINTS_MAX % RESIDUES == 0 && RESIDUES % LANES == 0,
+               "lists are read in whole vectors");
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
-typedef float half_float __attribute__((vector_size(2 * LANES)));
+typedef float four_floats __attribute__((vector_size(16)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
 
-static inline float sum_lanes(const lanes_float* sums)
+/// Sums over the points whose indices have the same residues modulo RESIDUES as the lanes from
+/// `first` on.
+static inline void sum_residues(const stp_near_points* points, uint32_t first, float squared_radius,
+                                stp_vec3 position, lanes_float sums[STP_NORMAL_SUMS])
 {
-    half_float lower, upper;
-    memcpy(&lower, sums, sizeof(lower));
-    memcpy(&upper, (const char*)sums + sizeof(lower), sizeof(upper));
-    lower += upper;
-    return (lower[0] + lower[2]) + (lower[1] + lower[3]);
-}
-
-static void sum_near(const stp_near_points* points, float squared_radius, stp_vec3 position,
-                     float out[STP_NORMAL_SUMS])
-{
-    assert(points->count % LANES == 0 && points->count <= STP_NEAR_POINTS_MAX);
-    const lanes_float one = {1, 1, 1, 1, 1, 1, 1, 1};
-    lanes_float sums[STP_NORMAL_SUMS] = {0};
-    for (uint32_t i = 0; i < points->count; i += LANES) {
+    const lanes_float one = (lanes_float){0} + 1.0f;
+    for (uint32_t i = first; i < points->count; i += RESIDUES) {
         lanes_float x, y, z;
         memcpy(&x, points->x + i, sizeof(x));
         memcpy(&y, points->y + i, sizeof(y));
@@ -60,8 +57,29 @@ static void sum_near(const stp_near_points* points, float squared_radius, stp_ve
         sums[8] += y * z;
         sums[9] += z * z;
     }
+}
+
+/// The sum over all residues.
+static inline float total_of(lanes_float (*sums)[STP_NORMAL_SUMS], int i)
+{
+    four_floats lower, upper;
+    const char* last = (const char*)&sums[RESIDUES / LANES - 1][i] + sizeof(lanes_float);
+    memcpy(&lower, &sums[0][i], sizeof(lower));
+    memcpy(&upper, last - sizeof(upper), sizeof(upper));
+    lower += upper;
+    return (lower[0] + lower[2]) + (lower[1] + lower[3]);
+}
+
+static void sum_near(const stp_near_points* points, float squared_radius, stp_vec3 position,
+                     float out[STP_NORMAL_SUMS])
+{
+    assert(points->count % RESIDUES == 0 && points->count <= STP_NEAR_POINTS_MAX);
+    lanes_float sums[RESIDUES / LANES][STP_NORMAL_SUMS] = {{{0}}};
+    for (uint32_t part = 0; part < RESIDUES / LANES; ++part) {
+        sum_residues(points, part * LANES, squared_radius, position, sums[part]);
+    }
     for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
-        out[i] = sum_lanes(&sums[i]);
+        out[i] = total_of(sums, i);
     }
 }
 
@@ -93,7 +111,11 @@ static inline bool are_all_set(const lanes_int* lanes)
 {
     uint64_t parts[LANES / 2];
     memcpy(parts, lanes, sizeof(parts));
-    return (parts[0] & parts[1] & parts[2] & parts[3]) == UINT64_MAX;
+    uint64_t all = UINT64_MAX;
+    for (int k = 0; k < LANES / 2; ++k) {
+        all &= parts[k];
+    }
+    return all == UINT64_MAX;
 }
 
 /// Loads columns of sums; repeats the first one if there are fewer than lanes.
