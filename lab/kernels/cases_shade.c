@@ -20,7 +20,7 @@ typedef struct merge_input {
     uint64_t buffers[WORKERS][ROWS * SHADE_WIDTH]; ///< copies, which merging clears
 } merge_input;
 
-bool kernel_make_merge(kernel_case* c)
+static bool draw_buffers(kernel_case* c)
 {
     merge_input* in = stp_arena_alloc(c->arena, sizeof(*in));
     if (in == NULL) {
@@ -34,7 +34,13 @@ bool kernel_make_merge(kernel_case* c)
         }
     }
     c->input = in;
-    return kernel_set_output(c, ROWS * sizeof(stp_cpu_shade_merged), ROWS * SHADE_WIDTH);
+    return true;
+}
+
+bool kernel_make_merge(kernel_case* c)
+{
+    return draw_buffers(c) &&
+           kernel_set_output(c, ROWS * sizeof(stp_cpu_shade_merged), ROWS * SHADE_WIDTH);
 }
 
 void kernel_reset_merge(kernel_case* c)
@@ -53,6 +59,19 @@ void kernel_run_merge(kernel_case* c)
         kernels_here->merge(buffers, WORKERS, row * SHADE_WIDTH, SHADE_WIDTH, NULL,
                             (stp_cpu_shade_merged*)c->output + row);
     }
+}
+
+bool kernel_make_depths(kernel_case* c)
+{
+    return draw_buffers(c) &&
+           kernel_set_output(c, ROWS * SHADE_WIDTH * sizeof(float), ROWS * SHADE_WIDTH);
+}
+
+void kernel_run_depths(kernel_case* c)
+{
+    merge_input* in = c->input;
+    uint64_t* const buffers[WORKERS] = {in->drawn[0], in->drawn[1]};
+    stp_cpu_choose_shade_kernels()->find_depths(buffers, WORKERS, 0, ROWS * SHADE_WIDTH, c->output);
 }
 
 typedef struct light_input {

@@ -100,6 +100,8 @@ void kernel_reset_light(kernel_case* c);
 void kernel_run_light(kernel_case* c);
 bool kernel_make_spread(kernel_case* c);
 void kernel_run_spread(kernel_case* c);
+bool kernel_make_depths(kernel_case* c);
+void kernel_run_depths(kernel_case* c);
 
 // cases_effects.c
 bool kernel_make_rows(kernel_case* c);

@@ -34,6 +34,7 @@ const kernel kernels[] = {
     {"shade-merge", "src/draw/cpu/shade", AVX512, "pixel", kernel_make_merge, kernel_reset_merge, kernel_run_merge, NULL},
     {"shade-light", "src/draw/cpu/shade", AVX512, "lane", kernel_make_light, kernel_reset_light, kernel_run_light, NULL},
     {"shade-spread", "src/draw/cpu/shade", AVX512, "pixel", kernel_make_spread, NULL, kernel_run_spread, NULL},
+    {"shade-depths", "src/draw/cpu/shade", AVX512, "pixel", kernel_make_depths, NULL, kernel_run_depths, NULL},
     {"effects-greatest", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_greatest, NULL},
     {"effects-gain", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_gain, NULL},
     {"effects-rise", "src/draw/cpu/effects", AVX512, "pixel", kernel_make_rows, kernel_reset_rows, kernel_run_rise, NULL},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vectorised lighting and merging against single pixels, and cached surfaces.
+// Vectorised lighting, merging and depths against single pixels, and cached surfaces.
 #include "tests.h"
 
 #include "base/core/processor.h"
@@ -267,6 +267,39 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
                     CHECK(used[k][i] == (within ? STP_RASTER_EMPTY : made[k][i]));
                 }
             }
+        }
+    }
+}
+
+void test_shade_finds_the_depths_of_the_nearest(test_state* test)
+{
+    static uint64_t made[BUFFERS][ROW];
+    dice rng = {11, 0};
+    const stp_cpu_shade_kernels* variants[3];
+    int count = list_variants(variants);
+    for (uint32_t round = 0; round < 60; ++round) {
+        for (uint32_t k = 0; k < BUFFERS; ++k) {
+            for (int i = 0; i < ROW; ++i) {
+                bool there = unit(&rng) < 0.01f * (float)(round * k);
+                uint32_t id = (uint32_t)next(&rng) >> 1;
+                made[k][i] = there ? stp_raster_pixel(unit(&rng), id) : STP_RASTER_EMPTY;
+            }
+        }
+        const uint32_t buffer_count = round % (BUFFERS + 1), at = round, size = round * 4 % 201;
+        uint64_t* const buffers[BUFFERS] = {made[0], made[1], made[2]};
+        float wanted[ROW], depth[ROW];
+        memset(wanted, 0xFF, sizeof(wanted));
+        for (uint32_t i = 0; i < size; ++i) {
+            uint64_t minimum = STP_RASTER_EMPTY;
+            for (uint32_t k = 0; k < buffer_count; ++k) {
+                minimum = made[k][at + i] < minimum ? made[k][at + i] : minimum;
+            }
+            wanted[i] = minimum == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(minimum);
+        }
+        for (int v = 0; v < count; ++v) {
+            memset(depth, 0xFF, sizeof(depth));
+            variants[v]->find_depths(buffers, buffer_count, at, size, depth);
+            CHECK_EQUAL(0, memcmp(depth, wanted, sizeof(wanted))); // and no more than asked for
         }
     }
 }

@@ -439,14 +439,10 @@ void stp_cpu_shade_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_c
 
 void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker)
 {
+    assert(begin <= end && end <= r->height);
     uint32_t count = find_buffers(r, worker->buffers);
-    for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
-        uint64_t minimum = STP_RASTER_EMPTY;
-        for (uint32_t k = 0; k < count; ++k) {
-            minimum = worker->buffers[k][at] < minimum ? worker->buffers[k][at] : minimum;
-        }
-        r->depth[at] = minimum == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(minimum);
-    }
+    size_t at = (size_t)begin * r->width, size = (size_t)(end - begin) * r->width;
+    stp_cpu_choose_shade_kernels()->find_depths(worker->buffers, count, at, size, r->depth + at);
 }
 
 void stp_cpu_average_rows(stp_cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered)

@@ -115,6 +115,9 @@ typedef struct stp_cpu_shade_kernels {
     void (*spread)(const stp_cpu_shade_run* run, const stp_cpu_shade_run* end,
                    const stp_cpu_shade_nearness* surfaces, const uint32_t* lanes,
                    const float* nearness, uint8_t* colors, float* depth);
+    /// Writes the nearness of the minimum of `count` buffers for `size` pixels at `at`; 0: empty.
+    void (*find_depths)(uint64_t* const* buffers, uint32_t count, size_t at, size_t size,
+                        float* depth);
 } stp_cpu_shade_kernels;
 
 extern const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable, stp_cpu_shade_kernels_avx2,

@@ -32,6 +32,15 @@ static inline uint32_t lanes_mask(lanes_int a)
     return (uint32_t)_mm256_movemask_ps((__m256)a);
 }
 
+/// Upper halves of pixels.
+static inline lanes_int lanes_upper(const uint64_t* from)
+{
+    __m256 low = _mm256_loadu_ps((const float*)(const void*)from);
+    __m256 high = _mm256_loadu_ps((const float*)(const void*)(from + 4));
+    __m256i mixed = (__m256i)_mm256_shuffle_ps(low, high, 0xDD); // 0 1 4 5 2 3 6 7
+    return (lanes_int)_mm256_permute4x64_epi64(mixed, 0xD8);
+}
+
 /// Transposed surfaces: field k of all.
 static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
@@ -54,7 +63,8 @@ static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint3
 
 #include "draw/cpu/shade_lanes.h"
 
-const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx2 = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx2 = {merge_row, light_all, spread_row,
+                                                          find_depths};
 
 #else
 

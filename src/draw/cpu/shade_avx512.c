@@ -35,6 +35,15 @@ static inline uint32_t lanes_mask(lanes_int a)
     return _mm512_movepi32_mask((__m512i)a);
 }
 
+/// Upper halves of pixels.
+static inline lanes_int lanes_upper(const uint64_t* from)
+{
+    const __m512i odd =
+        _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    return (lanes_int)_mm512_permutex2var_epi32(_mm512_loadu_si512(from), odd,
+                                                _mm512_loadu_si512(from + 8));
+}
+
 static inline __m512 load_four(const stp_cpu_shade_surface* surfaces, const uint32_t* index, int k)
 {
     __m512 v = _mm512_castps128_ps512(_mm_loadu_ps((const float*)&surfaces[index[0]] + k));
@@ -64,7 +73,8 @@ static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint3
 
 #include "draw/cpu/shade_lanes.h"
 
-const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx512 = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx512 = {merge_row, light_all, spread_row,
+                                                            find_depths};
 
 #else
 

@@ -264,3 +264,26 @@ static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint3
     }
     row->starts |= 1;
 }
+
+static void find_depths(uint64_t* const* buffers, uint32_t count, size_t at, size_t size,
+                        float* restrict depth)
+{
+    size_t i = 0;
+    for (; i + LANES <= size; i += LANES) {
+        lanes_int least =
+            spread_int(-1); // empty; nearness is never negative, so all signs are equal
+        for (uint32_t k = 0; k < count; ++k) {
+            lanes_int upper = lanes_upper(buffers[k] + at + i);
+            least = (lanes_int)lanes_select(upper < least, (lanes_float)upper, (lanes_float)least);
+        }
+        least = ~least; // nearness; 0 if empty
+        memcpy(depth + i, &least, sizeof(least));
+    }
+    for (; i < size; ++i) {
+        uint64_t least = STP_RASTER_EMPTY;
+        for (uint32_t k = 0; k < count; ++k) {
+            least = buffers[k][at + i] < least ? buffers[k][at + i] : least;
+        }
+        depth[i] = stp_raster_nearness(least);
+    }
+}

@@ -29,6 +29,13 @@ static inline uint32_t lanes_mask(lanes_int a)
     return (uint32_t)((a[0] & 1) | (a[1] & 2) | (a[2] & 4) | (a[3] & 8));
 }
 
+/// Upper halves of pixels.
+static inline lanes_int lanes_upper(const uint64_t* from)
+{
+    return (lanes_int){(int32_t)(from[0] >> 32), (int32_t)(from[1] >> 32), (int32_t)(from[2] >> 32),
+                       (int32_t)(from[3] >> 32)};
+}
+
 /// Transposed surfaces: field k of all.
 static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
@@ -44,7 +51,8 @@ static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint3
 
 #include "draw/cpu/shade_lanes.h"
 
-const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable = {merge_row, light_all, spread_row};
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable = {merge_row, light_all, spread_row,
+                                                              find_depths};
 
 const stp_cpu_shade_kernels* stp_cpu_choose_shade_kernels(void)
 {
