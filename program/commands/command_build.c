@@ -2,6 +2,7 @@
 //
 // stipple build: models in, one .stip file out.
 #include "builder/build_scene.h"
+#include "program/files/import_options.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"

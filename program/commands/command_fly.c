@@ -3,6 +3,7 @@
 // stipple fly: draws a camera flight through a scene, without a window.
 #include "program/drawing/drawing.h"
 #include "program/drawing/flight_report.h"
+#include "program/files/import_options.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/options/tool.h"

@@ -4,6 +4,7 @@
 #include "base/io/file.h"
 #include "builder/writer_input.h"
 #include "import/reading/import.h"
+#include "program/files/import_options.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"
 #include "program/options/point_colors.h"

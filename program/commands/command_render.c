@@ -3,6 +3,7 @@
 // stipple render: draws one picture of a scene.
 #include "base/core/clock.h"
 #include "program/drawing/drawing.h"
+#include "program/files/import_options.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/command.h"

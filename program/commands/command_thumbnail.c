@@ -8,6 +8,7 @@
 #include "program/drawing/frame.h"
 #include "program/drawing/scene_farthest.h"
 #include "program/drawing/view_splats.h"
+#include "program/files/import_options.h"
 #include "program/files/overwrite.h"
 #include "program/files/scene_file.h"
 #include "program/options/cloud_style.h"

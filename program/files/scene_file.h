@@ -7,7 +7,6 @@
 #include "base/io/hash.h"
 #include "import/reading/scan_info.h"
 #include "program/options/command.h"
-#include "program/options/model_axes.h"
 #include "scene/scene.h"
 #include "select/farthest.h"
 #include "store/file/store.h"
@@ -68,19 +67,6 @@ typedef struct scene_watcher {
 STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const scene_input* input,
                                             scene_use use, const scene_watcher* watcher,
                                             char* located, char* draft);
-
-/// Sets --columns for all models imported or built from now on; NULL is allowed. @return 0, or the
-/// code of a usage error if the list is invalid or applies to none of the inputs
-int tool_take_columns(const char* names, int input_count, char** inputs);
-/// Sets --smooth likewise; a built file is a usage error.
-int tool_take_smooth(double degrees, int input_count, char** inputs);
-
-/// Refuses standard input as a model. @return 0, or the code of a usage error
-int tool_check_inputs(int input_count, char** inputs);
-
-/// Corrects the up axis and the unit of all models imported or built from now on. @return 0, or the
-/// code of a usage error if the inputs are not models, or tool_check_inputs refuses them
-int tool_take_axes(const model_axes* axes, int input_count, char** inputs);
 
 /// Imports a model or makes a named scene (scene:NAME), and finishes it. The caller destroys it
 /// with stp_scene_destroy; NULL on failure, which is logged.
