@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draws clusters: decodes those in view in small batches, which stay in the CPU cache.
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/triangle.h"
 
 #include <assert.h>
 

@@ -2,6 +2,7 @@
 // Draws items in tasks. Any free worker takes the next task; each draws into its own buffer.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/passes.h"
+#include "draw/cpu/triangle.h"
 #include "draw/placement.h"
 #include "draw/transparency.h"
 

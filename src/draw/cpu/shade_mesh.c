@@ -3,6 +3,7 @@
 // Surfaces of triangles. Most are flat: all pixels share normal and colour. For the others,
 // interpolation weights are cached, and each pixel gets its own surface.
 #include "draw/cpu/shade.h"
+#include "draw/cpu/triangle.h"
 #include "raster/normal_map.h"
 
 #include <assert.h>

@@ -4,6 +4,7 @@
 // slot. If a tile needs a slot twice, it uses private extra slots.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
+#include "draw/cpu/triangle.h"
 #include "raster/splats_transparent.h"
 
 #include <assert.h>

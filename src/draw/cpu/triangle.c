@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Looks up single triangles, from columns or clusters.
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/triangle.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Appearance of a triangle at a point: texture coordinates, colours, and alpha tests.
 #include "base/math/rng.h"
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/triangle.h"
 #include "raster/blue_noise.h"
 #include "raster/cutout.h"
 
