@@ -15,6 +15,20 @@ typedef struct batch {
     uint32_t numbers[BATCH_TRIANGLES];
 } batch;
 
+/// Adds consecutive triangles, all of one or of both sides.
+static void add_triangles(const uint32_t* corners, uint32_t number, uint32_t count, bool one_sided,
+                          batch* b)
+{
+    assert(b->one_sided + b->two_sided + count <= BATCH_TRIANGLES);
+    b->two_sided += one_sided ? 0 : count;
+    uint32_t place = one_sided ? b->one_sided : BATCH_TRIANGLES - b->two_sided;
+    b->one_sided += one_sided ? count : 0;
+    memcpy(b->indices + 3 * (size_t)place, corners, 3 * (size_t)count * sizeof(*corners));
+    for (uint32_t i = 0; i < count; ++i) {
+        b->numbers[place + i] = number + i;
+    }
+}
+
 static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_sided, float share,
                         batch* b)
 {
@@ -24,16 +38,19 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_s
     stp_clusters_get(&item->clusters, index, &cluster);
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
     stp_cluster_indices(&cluster, b->vertex_count, corners);
-    for (uint32_t t = 0; t < cluster.triangle_count; ++t) {
-        uint32_t number = cluster.first_triangle + t;
-        if (share < 1.0f && !stp_draw_keeps(number, share)) {
-            continue;
+    uint32_t count = cluster.triangle_count, number = cluster.first_triangle;
+    one_sided = one_sided < count ? one_sided : count;
+    if (share < 1.0f) {
+        for (uint32_t t = 0; t < count; ++t) {
+            if (stp_draw_keeps(number + t, share)) {
+                add_triangles(corners + 3 * (size_t)t, number + t, 1, t < one_sided, b);
+            }
         }
-        uint32_t place = t < one_sided ? b->one_sided++ : BATCH_TRIANGLES - ++b->two_sided;
-        memcpy(b->indices + 3 * (size_t)place, corners + 3 * (size_t)t, 3 * sizeof(*corners));
-        b->numbers[place] = number;
+    } else {
+        add_triangles(corners, number, one_sided, true, b);
+        add_triangles(corners + 3 * (size_t)one_sided, number + one_sided, count - one_sided, false,
+                      b);
     }
-    assert(b->one_sided + b->two_sided <= BATCH_TRIANGLES);
     b->vertex_count += cluster.vertex_count;
     b->cluster_count += 1;
 }

@@ -289,16 +289,24 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
     assert(cluster->period >= 1 && "stp_cluster_corners divides by it");
 }
 
+/// Indices from `base` on; those that are not below `limit` become `base`. Compiled to vectors.
+static void raise_indices(const uint8_t* restrict from, size_t count, uint32_t base, int32_t limit,
+                          uint32_t* restrict to)
+{
+    for (size_t i = 0; i < count; ++i) {
+        int32_t index = from[i];
+        to[i] = base + (uint32_t)(index < limit ? index : 0);
+    }
+}
+
 void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices)
 {
     assert(cluster->vertex_count <= UINT32_MAX - first);
-    uint32_t length = 3 * cluster->period, begin = 0;
-    for (uint32_t at = 0; at < 3 * cluster->triangle_count; at += length) {
-        uint32_t limit = cluster->vertex_count - begin;
-        for (uint32_t i = 0; i < length; ++i) {
-            uint32_t index = cluster->indices[i];
-            indices[at + i] = first + begin + (index < limit ? index : 0);
-        }
+    size_t length = 3 * (size_t)cluster->period, all = 3 * (size_t)cluster->triangle_count;
+    uint32_t begin = 0;
+    for (size_t at = 0; at < all; at += length) {
+        raise_indices(cluster->indices, length, first + begin,
+                      (int32_t)(cluster->vertex_count - begin), indices + at);
         begin += cluster->stride;
     }
 }
