@@ -15,8 +15,9 @@ enum {
     COARSE_POINTS = 32, ///< the same for wide gaps
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
-    OUTSTANDING = 2, ///< how far a growth may be above the median around it
-    GRAIN = 1024     ///< buckets
+    OUTSTANDING = 2,         ///< how far a growth may be above the median around it
+    UNLIMITED = STP_GROWTHS, ///< in place of a growth that is still to be limited
+    GRAIN = 1024             ///< buckets
 };
 
 #define FINE_CELL 2.5f    // side of a cell, in spacings
@@ -55,7 +56,7 @@ typedef struct gap_search {
     stp_grid grids[LEVELS]; ///< of all points, then of sparse ones
     stp_cell_limits limits;
     float thresholds[STP_GROWTHS]; ///< how far each growth is enough
-    uint8_t* found;                ///< growth of each point, in the order of the fine grid
+    uint8_t* found;                ///< growth of each point
     uint8_t* growths;              ///< the same, and not far above those around it
 } gap_search;
 
@@ -182,13 +183,48 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
         stp_plane_cell cell;
         begin_cell(s->desc, grid->index[at], &cell);
         find_cell(s, levels, &cell);
-        s->found[at] = growth_for(s, s->kernels->reach(&s->limits, &cell));
+        s->found[grid->index[at]] = growth_for(s, s->kernels->reach(&s->limits, &cell));
+    }
+}
+
+static bool is_in_cell(const stp_grid* grid, uint32_t at, const int32_t cell[3])
+{
+    return stp_grid_cell(grid, grid->x[at]) == cell[0] &&
+           stp_grid_cell(grid, grid->y[at]) == cell[1] &&
+           stp_grid_cell(grid, grid->z[at]) == cell[2];
+}
+
+/// Limits the growths of the points of a bucket of the finest grid, from one on, that are in its
+/// cell and still to be limited. The bucket may hold points of other cells.
+static void limit_cell(const gap_search* s, uint32_t bucket, uint32_t at)
+{
+    const stp_grid* grid = &s->grids[0];
+    const int32_t cell[3] = {stp_grid_cell(grid, grid->x[at]), stp_grid_cell(grid, grid->y[at]),
+                             stp_grid_cell(grid, grid->z[at])};
+    uint32_t at_most[STP_GROWTHS] = {0}; // points of the cell with a growth of at most each index
+    for (uint32_t k = grid->starts[bucket]; k < grid->starts[bucket + 1]; ++k) {
+        at_most[s->found[grid->index[k]]] += is_in_cell(grid, k, cell) ? 1 : 0;
+    }
+    for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
+        at_most[k] += at_most[k - 1];
+    }
+    uint32_t others = at_most[STP_GROWTHS - 1] - 1;
+    for (; at < grid->starts[bucket + 1]; ++at) {
+        uint8_t* growth = &s->growths[grid->index[at]];
+        if (*growth != UNLIMITED || !is_in_cell(grid, at, cell)) {
+            continue;
+        }
+        *growth = s->found[grid->index[at]];
+        while (*growth > STP_GROWTH_PLAIN && 2 * at_most[*growth - OUTSTANDING - 1] >= others) {
+            *growth -= 1;
+        }
     }
 }
 
 /// Limits growths that are far above those around them, of points in the air, whose neighbours in
 /// the plane are not of their surface: to OUTSTANDING above the median of the other points of their
-/// bucket, and to STP_GROWTH_PLAIN in any case.
+/// cell of the finest grid. Points alone in their cell have STP_GROWTH_PLAIN, or less: medians of
+/// wider cells let them reach far beyond the surface.
 static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -196,20 +232,14 @@ static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_grid* grid = &s->grids[0];
     for (size_t bucket = begin; bucket < end; ++bucket) {
         uint32_t first = grid->starts[bucket], last = grid->starts[bucket + 1];
-        uint32_t at_most[STP_GROWTHS] = {0}; // points with a growth of at most each index
         for (uint32_t at = first; at < last; ++at) {
-            at_most[s->found[at]] += 1;
-        }
-        for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
-            at_most[k] += at_most[k - 1];
+            uint8_t growth = s->found[grid->index[at]];
+            s->growths[grid->index[at]] = growth > STP_GROWTH_PLAIN ? UNLIMITED : growth;
         }
         for (uint32_t at = first; at < last; ++at) {
-            uint32_t growth = s->found[at];
-            while (growth > STP_GROWTH_PLAIN &&
-                   2 * at_most[growth - OUTSTANDING - 1] >= last - first - 1) {
-                growth -= 1;
+            if (s->growths[grid->index[at]] == UNLIMITED) {
+                limit_cell(s, (uint32_t)bucket, at);
             }
-            s->growths[grid->index[at]] = (uint8_t)growth;
         }
     }
 }
