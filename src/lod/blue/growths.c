@@ -16,6 +16,7 @@ enum {
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
     OUTSTANDING = 2,         ///< how far a growth may be above the median around it
+    AROUND = 3,              ///< from so many other points on, a wider cell has a median
     UNLIMITED = STP_GROWTHS, ///< in place of a growth that is still to be limited
     GRAIN = 1024             ///< buckets
 };
@@ -194,37 +195,67 @@ static bool is_in_cell(const stp_grid* grid, uint32_t at, const int32_t cell[3])
            stp_grid_cell(grid, grid->z[at]) == cell[2];
 }
 
-/// Limits the growths of the points of a bucket of the finest grid, from one on, that are in its
-/// cell and still to be limited. The bucket may hold points of other cells.
-static void limit_cell(const gap_search* s, uint32_t bucket, uint32_t at)
+/// The growths of the other points in the cell of a grid that holds a point.
+typedef struct cell_census {
+    int32_t cell[3];
+    uint32_t others;
+    uint32_t at_most[STP_GROWTHS]; ///< points with a growth of at most each index, with its own
+} cell_census;
+
+static void take_census(const gap_search* s, const stp_grid* grid, uint32_t index,
+                        cell_census* census)
 {
-    const stp_grid* grid = &s->grids[0];
-    const int32_t cell[3] = {stp_grid_cell(grid, grid->x[at]), stp_grid_cell(grid, grid->y[at]),
-                             stp_grid_cell(grid, grid->z[at])};
-    uint32_t at_most[STP_GROWTHS] = {0}; // points of the cell with a growth of at most each index
-    for (uint32_t k = grid->starts[bucket]; k < grid->starts[bucket + 1]; ++k) {
-        at_most[s->found[grid->index[k]]] += is_in_cell(grid, k, cell) ? 1 : 0;
+    const float* p = s->desc->positions + 3 * (size_t)index;
+    *census = (cell_census){
+        .cell = {stp_grid_cell(grid, p[0]), stp_grid_cell(grid, p[1]), stp_grid_cell(grid, p[2])}};
+    uint32_t bucket = stp_grid_bucket(grid, census->cell[0], census->cell[1], census->cell[2]);
+    for (uint32_t at = grid->starts[bucket]; at < grid->starts[bucket + 1]; ++at) {
+        if (is_in_cell(grid, at, census->cell)) { // the bucket may hold other cells
+            census->at_most[s->found[grid->index[at]]] += 1;
+        }
     }
     for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
-        at_most[k] += at_most[k - 1];
+        census->at_most[k] += census->at_most[k - 1];
     }
-    uint32_t others = at_most[STP_GROWTHS - 1] - 1;
-    for (; at < grid->starts[bucket + 1]; ++at) {
-        uint8_t* growth = &s->growths[grid->index[at]];
-        if (*growth != UNLIMITED || !is_in_cell(grid, at, cell)) {
-            continue;
-        }
-        *growth = s->found[grid->index[at]];
-        while (*growth > STP_GROWTH_PLAIN && 2 * at_most[*growth - OUTSTANDING - 1] >= others) {
-            *growth -= 1;
+    census->others = census->at_most[STP_GROWTHS - 1] - (index < grid->count ? 1 : 0);
+}
+
+/// A growth, or the largest smaller one that is at most OUTSTANDING above the median of the others.
+static uint8_t limit_growth(uint8_t growth, const cell_census* census)
+{
+    while (growth > STP_GROWTH_PLAIN &&
+           2 * census->at_most[growth - OUTSTANDING - 1] >= census->others) {
+        growth -= 1;
+    }
+    return growth;
+}
+
+/// Limits the growths of points [at, end) of a bucket of the finest grid that are in the cell of the
+/// first and still to be limited.
+static void limit_cell(const gap_search* s, uint32_t at, uint32_t end)
+{
+    const stp_grid* grid = &s->grids[0];
+    cell_census around;
+    take_census(s, grid, grid->index[at], &around);
+    bool lonely = around.others == 0;
+    if (lonely) {
+        cell_census wide;
+        take_census(s, &s->grids[1], grid->index[at], &wide);
+        around = wide.others >= AROUND ? wide : around;
+        end = at + 1;
+    }
+    for (; at < end; ++at) {
+        uint32_t index = grid->index[at];
+        if (s->growths[index] == UNLIMITED && (lonely || is_in_cell(grid, at, around.cell))) {
+            s->growths[index] = limit_growth(s->found[index], &around);
         }
     }
 }
 
 /// Limits growths that are far above those around them, of points in the air, whose neighbours in
 /// the plane are not of their surface: to OUTSTANDING above the median of the other points of their
-/// cell of the finest grid. Points alone in their cell have STP_GROWTH_PLAIN, or less: medians of
-/// wider cells let them reach far beyond the surface.
+/// cell of the finest grid. A point alone there takes the cell of the next grid; with fewer than
+/// AROUND others there, it has STP_GROWTH_PLAIN.
 static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -238,7 +269,7 @@ static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
         }
         for (uint32_t at = first; at < last; ++at) {
             if (s->growths[grid->index[at]] == UNLIMITED) {
-                limit_cell(s, (uint32_t)bucket, at);
+                limit_cell(s, at, last);
             }
         }
     }

@@ -41,7 +41,8 @@ typedef struct stp_growth_desc {
 /// that is closed on all sides, a direction counts up to twice as far as the opposite one. At most
 /// `covered` plus the largest factor times `radius` is found. Factors above 1 are at most two steps
 /// above the median of the other points of the cell of a grid, 2.5 spacings wide, but are never
-/// limited below 1; points alone in their cell have at most 1.
+/// limited below 1. A point alone there takes the cell of the next grid, 5 spacings wide, if that has
+/// three others, or else has at most the factor 1.
 /// @param growths result: an index for each point: the smallest factor that reaches as far
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc,
