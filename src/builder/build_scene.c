@@ -415,8 +415,9 @@ static stp_result make_content(build* b)
         content->release_pages = release_pages;
         content->is_intact = is_intact;
         content->release_user = b;
-        for (uint32_t i = 0; i < b->shadings.count && !has_blue(b->desc); ++i) {
-            b->shadings.shadings[i].growth = 0.0f; // no splat of the file names one
+        bool grown = has_blue(b->desc); // else no splat of the file names a growth
+        for (uint32_t i = 0; i < b->shadings.count && !grown; ++i) {
+            b->shadings.shadings[i].growth = 0.0f;
         }
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;

@@ -18,7 +18,7 @@ typedef struct texture_mean {
 
 typedef struct reduction {
     const stp_scene* scene;
-    texture_mean* means;
+    texture_mean* means;    ///< by texture; of those that shadings need
     size_t count;           ///< materials, and then their variants (scene/looks.h)
     stp_shading* exact;     ///< shading of each
     bool *used, *of_points; ///< by material
@@ -49,14 +49,16 @@ static void sum_texels(const stp_texture* texture, const stp_texel_run* run, siz
     }
 }
 
-static void find_means(reduction* r, const stp_texel_runs* runs, const run_sums* of_runs)
+static void find_means(reduction* r, const uint32_t* textures, size_t count,
+                       const stp_texel_runs* runs, const run_sums* of_runs)
 {
     size_t run = 0;
-    for (size_t i = 0; i < r->scene->texture_count; ++i) {
+    for (size_t k = 0; k < count; ++k) {
+        size_t i = textures[k];
         const stp_texture* texture = &r->scene->textures[i];
         double size = (double)texture->width * texture->height;
         run_sums sums = {0};
-        for (; run < runs->count && runs->runs[run].texture == i; ++run) {
+        for (; run < runs->count && runs->runs[run].source == k; ++run) {
             for (int c = 0; c < 3; ++c) {
                 sums.raw[c] += of_runs[run].raw[c];
                 sums.linear[c] += of_runs[run].linear[c];
@@ -70,21 +72,50 @@ static void find_means(reduction* r, const stp_texel_runs* runs, const run_sums*
     assert(run == runs->count);
 }
 
+/// Lists the textures whose means shadings have: not those of colours and normals. @return how many
+static size_t list_textures(const reduction* r, uint32_t* textures)
+{
+    const stp_scene* scene = r->scene;
+    size_t listed = 0;
+    for (size_t i = 0; i < scene->material_count; ++i) {
+        const stp_material* m = &scene->materials[i];
+        const uint32_t used[] = {m->metallic_roughness_texture.texture,
+                                 m->emissive_texture.texture};
+        for (int k = 0; k < 2; ++k) {
+            if (used[k] < scene->texture_count) {
+                textures[used[k]] = 1; // marked
+            }
+        }
+    }
+    for (size_t i = 0; i < scene->texture_count; ++i) { // listed <= i
+        if (textures[i] != 0) {
+            textures[listed++] = (uint32_t)i;
+        }
+    }
+    return listed;
+}
+
 static stp_result measure_textures(reduction* r)
 {
     stp_context* context = r->scene->context;
-    stp_texel_runs runs;
+    stp_texel_runs runs = {0};
     run_sums* sums = NULL;
-    stp_result result = stp_texel_runs_list(r->scene, NULL, r->scene->texture_count, &runs);
+    uint32_t* textures = STP_NEW_ZEROED(context, uint32_t, r->scene->texture_count + 1);
+    if (textures == NULL) {
+        return stp_fail_memory(context);
+    }
+    size_t count = list_textures(r, textures);
+    stp_result result = stp_texel_runs_list(r->scene, textures, count, &runs);
     if (result == STP_OK) {
         sums = STP_NEW_ZEROED(context, run_sums, runs.count + 1);
-        result = sums != NULL ? stp_texel_runs_read(r->scene, &runs, "looks", sum_texels, sums)
+        result = sums != NULL ? stp_texel_runs_read(r->scene, &runs, "materials", sum_texels, sums)
                               : stp_fail_memory(context);
     }
     if (result == STP_OK) {
-        find_means(r, &runs, sums);
+        find_means(r, textures, count, &runs, sums);
     }
     stp_free(context, sums);
+    stp_free(context, textures);
     stp_texel_runs_destroy(r->scene, &runs);
     return result;
 }

@@ -23,9 +23,9 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
 /// Estimates normals of candidates that are points from the candidates within `radius`. With fewer
 /// than four, including the point itself, or with neighbours in a line, as along the ring of a
 /// scanner, doubles the radius up to four times. If that does not help, a line's points keep their
-/// first normal, and that of others is straight up. Splats of sets keep their normals. Does nothing if the radius
-/// is 0.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// first normal, and that of others is straight up. Splats of sets keep their normals. Does nothing
+/// if the radius is 0.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                                    float radius);
 

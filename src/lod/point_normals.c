@@ -327,6 +327,8 @@ stp_result stp_normal_search_finish(stp_normal_search* search)
             reach = 1;
         }
         missing = count_missing(search);
+        double done = (double)(i + 1) / DOUBLINGS;
+        result = result == STP_OK ? stp_progress(search->context, "normals", done) : result;
     }
     for (uint32_t i = 0; i < search->candidates->count && missing > 0; ++i) {
         if (search->missing[i] == STP_NORMAL_NONE) {

@@ -21,4 +21,11 @@ typedef struct stp_method_samples {
 STP_MUST_USE stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
                                                 const stp_shading* shadings,
                                                 stp_method_samples* samples);
+
+/// Radius of the disk of a sample.
+static inline float stp_method_samples_radius(const stp_method_samples* samples, size_t index)
+{
+    return samples->radii != NULL ? samples->radii[index] : samples->points.radius;
+}
+
 void stp_method_samples_destroy(stp_context* context, stp_method_samples* samples);

@@ -215,11 +215,13 @@ typedef struct bins_source {
     uint32_t texture, kind;
 } bins_source;
 
-/// The sums of the runs of textures, which are read for some bins.
-typedef struct sums_reading {
+/// The reading of textures for some bins.
+typedef struct bins_reading {
     const bins_source* sources; ///< as the runs count them
-    code_sums* sums;            ///< of each run
-} sums_reading;
+    stp_look_bins* bins;        ///< of each source
+    const uint32_t* places;     ///< of each run in `sums`; STP_NONE: it is a whole texture
+    code_sums* sums;            ///< of the runs of textures that have several
+} bins_reading;
 
 /// A search for the bins of all looks. Looks that share a texture share its bins.
 typedef struct look_search {
@@ -277,25 +279,70 @@ static stp_result ask_look(look_search* s, stp_look* look, bool first)
 
 static void read_run(const stp_texture* texture, const stp_texel_run* run, size_t index, void* user)
 {
-    const sums_reading* r = user;
+    const bins_reading* r = user;
+    uint32_t kind = r->sources[run->source].kind;
     texel_table table;
-    make_table(r->sources[run->source].kind, &table);
-    add_texels(texture, run, &table, &r->sums[index]);
+    make_table(kind, &table);
+    if (r->places[index] != STP_NONE) {
+        add_texels(texture, run, &table, &r->sums[r->places[index]]);
+    } else { // sums of all small textures would take more memory than their texels
+        code_sums sums = {0};
+        add_texels(texture, run, &table, &sums);
+        find_bins(&sums, kind, &r->bins[run->source]);
+    }
 }
 
-/// Finds the bins that are asked for, from the sums of the runs of their textures.
-static void find_asked(look_search* s, const stp_texel_runs* runs, const code_sums* of_runs)
+/// Finds the bins of textures that have no run or several.
+static void join_runs(const bins_reading* r, const stp_texel_runs* runs, size_t count)
 {
     size_t run = 0;
-    for (uint32_t i = s->found; i < s->count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         code_sums sums = {0};
-        for (; run < runs->count && s->found + runs->runs[run].source == i; ++run) {
-            add_sums(&sums, &of_runs[run]);
+        size_t first = run;
+        for (; run < runs->count && runs->runs[run].source == i; ++run) {
+            if (r->places[run] != STP_NONE) {
+                add_sums(&sums, &r->sums[r->places[run]]);
+            }
         }
-        find_bins(&sums, s->sources[i].kind, &s->scene->look_bins[i]);
+        if (run == first || r->places[first] != STP_NONE) {
+            find_bins(&sums, r->sources[i].kind, &r->bins[i]);
+        }
     }
     assert(run == runs->count);
-    s->found = s->count;
+}
+
+/// Gives each run of a texture with several a place for its sums. @return the places
+static size_t place_runs(const stp_texel_runs* runs, uint32_t* places)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < runs->count; ++i) {
+        bool after = i > 0 && runs->runs[i - 1].source == runs->runs[i].source;
+        bool before = i + 1 < runs->count && runs->runs[i + 1].source == runs->runs[i].source;
+        places[i] = after || before ? (uint32_t)count++ : STP_NONE;
+    }
+    return count;
+}
+
+/// Reads the runs of textures, and finds their bins.
+static stp_result read_runs(look_search* s, const stp_texel_runs* runs)
+{
+    stp_context* context = s->scene->context;
+    uint32_t* places = STP_NEW_ARRAY(context, uint32_t, runs->count + 1);
+    if (places == NULL) {
+        return stp_fail_memory(context);
+    }
+    bins_reading r = {
+        .sources = s->sources + s->found, .bins = s->scene->look_bins + s->found, .places = places};
+    r.sums = STP_NEW_ZEROED(context, code_sums, place_runs(runs, places) + 1);
+    stp_result result = r.sums != NULL ? stp_texel_runs_read(s->scene, runs, "looks", read_run, &r)
+                                       : stp_fail_memory(context);
+    if (result == STP_OK) {
+        join_runs(&r, runs, s->count - s->found);
+        s->found = s->count;
+    }
+    stp_free(context, r.sums);
+    stp_free(context, places);
+    return result;
 }
 
 /// Reads the textures of the bins that are asked for, and finds these.
@@ -304,22 +351,13 @@ static stp_result read_asked(look_search* s)
     stp_context* context = s->scene->context;
     size_t count = s->count - s->found;
     stp_texel_runs runs = {0};
-    sums_reading r = {.sources = s->sources + s->found};
     uint32_t* textures = STP_NEW_ARRAY(context, uint32_t, count);
     stp_result result = textures != NULL ? STP_OK : stp_fail_memory(context);
     for (size_t i = 0; i < count && result == STP_OK; ++i) {
-        textures[i] = r.sources[i].texture;
+        textures[i] = s->sources[s->found + i].texture;
     }
     result = result == STP_OK ? stp_texel_runs_list(s->scene, textures, count, &runs) : result;
-    if (result == STP_OK) {
-        r.sums = STP_NEW_ZEROED(context, code_sums, runs.count + 1);
-        result = r.sums != NULL ? stp_texel_runs_read(s->scene, &runs, "looks", read_run, &r)
-                                : stp_fail_memory(context);
-    }
-    if (result == STP_OK) {
-        find_asked(s, &runs, r.sums);
-    }
-    stp_free(context, r.sums);
+    result = result == STP_OK ? read_runs(s, &runs) : result;
     stp_texel_runs_destroy(s->scene, &runs);
     stp_free(context, textures);
     return result;

@@ -66,7 +66,7 @@ typedef struct stp_material {
     stp_texture_use emissive_texture;           ///< sRGB
     /// Linear, a normal map: red along u, green against v (up in the picture), blue outwards
     stp_texture_use normal_texture;
-    float normal_scale; ///< factor of the map's red and green; not 0
+    float normal_scale; ///< factor of the map's red and green; not 0 where there is a map
     stp_hash content;   ///< hash of all visible properties and textures; set by stp_scene_finish
 } stp_material;
 

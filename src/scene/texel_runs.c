@@ -15,11 +15,6 @@ typedef struct texel_loop {
     void* user;
 } texel_loop;
 
-static uint32_t texture_of(const uint32_t* textures, size_t source)
-{
-    return textures != NULL ? textures[source] : (uint32_t)source;
-}
-
 static size_t size_of(const stp_scene* scene, uint32_t texture)
 {
     assert(texture < scene->texture_count);
@@ -32,14 +27,14 @@ stp_result stp_texel_runs_list(const stp_scene* scene, const uint32_t* textures,
     size_t needed = 0;
     *runs = (stp_texel_runs){0};
     for (size_t i = 0; i < count; ++i) {
-        needed += (size_of(scene, texture_of(textures, i)) + RUN_TEXELS - 1) / RUN_TEXELS;
+        needed += (size_of(scene, textures[i]) + RUN_TEXELS - 1) / RUN_TEXELS;
     }
     runs->runs = STP_NEW_ARRAY(scene->context, stp_texel_run, needed + 1);
     if (runs->runs == NULL) {
         return stp_fail_memory(scene->context);
     }
     for (size_t i = 0; i < count; ++i) {
-        uint32_t texture = texture_of(textures, i);
+        uint32_t texture = textures[i];
         size_t size = size_of(scene, texture);
         for (size_t begin = 0; begin < size; begin += RUN_TEXELS) {
             size_t end = size - begin < RUN_TEXELS ? size : begin + RUN_TEXELS;

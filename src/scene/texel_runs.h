@@ -22,8 +22,7 @@ typedef struct stp_texel_runs {
 typedef void (*stp_texel_job)(const stp_texture* texture, const stp_texel_run* run, size_t index,
                               void* user);
 
-/// Lists the runs of textures, given by their indices in the scene; NULL: those of its first `count`
-/// textures. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Lists the runs of textures, given by their indices in the scene. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_texel_runs_list(const stp_scene* scene, const uint32_t* textures,
                                             size_t count, stp_texel_runs* runs);
 void stp_texel_runs_destroy(const stp_scene* scene, stp_texel_runs* runs);

@@ -97,6 +97,32 @@ void test_assimp_hierarchy_and_instances(test_state* test)
     stp_context_destroy(context);
 }
 
+// <bump> of Collada is a map of heights, though assimp calls it one of normals.
+void test_assimp_collada_bumps_are_not_normal_maps(test_state* test)
+{
+    static char text[sizeof(collada) + 512];
+    const char *before = "</diffuse></phong>", *place = strstr(collada, before);
+    CHECK(place != NULL);
+    snprintf(text, sizeof(text), "%.*s%s%s%s", (int)(place - collada), collada, before,
+             "<extra><technique profile=\"FCOLLADA\"><bump><texture texture=\"im\" "
+             "texcoord=\"t\"/></bump></technique></extra>",
+             place + strlen(before));
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "tiles.dae", text, strlen(text), &result);
+    if (result == STP_ERROR_UNSUPPORTED) {
+        stp_context_destroy(context);
+        SKIP("assimp reads no COLLADA here");
+    }
+    CHECK_EQUAL(STP_OK, result);
+    CHECK_EQUAL(STP_NONE, scene->materials[scene->meshes[0].material].normal_texture.texture);
+    CHECK_EQUAL(1, log.warnings); // not that the picture is missing
+    CHECK(strstr(log.warning, "1 map of heights") != NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 void test_assimp_leaves_out_corners_not_finite(test_state* test)
 {
     const char* text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n";

@@ -260,6 +260,7 @@ void test_gltf_reads_normal_maps(test_state* test)
         CHECK((m->normal_texture.texture != STP_NONE) == (i < 2 || i == 3));
         CHECK(m->normal_texture.texture == STP_NONE || m->normal_scale == (i == 1 ? -0.5f : 1.0f));
         CHECK(i != 1 || m->normal_texture.transform[1][1] == 3.0f);
+        CHECK_EQUAL(i == 2 || i == 4 ? 0 : 1, run.scene->texture_count); // else it is not read
         CHECK_EQUAL(i == 3 || i == 5 ? 1 : 0, run.log.warnings);
         CHECK_EQUAL(0, run.log.errors);
         gltf_run_end(&run);

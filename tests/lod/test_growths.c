@@ -7,6 +7,7 @@
 #include "base/splats/prefix_table.h"
 #include "lod/blue/blue.h"
 #include "lod/blue/growths.h"
+#include "lod/grid.h"
 #include "lod/set_columns.h"
 #include "scene/scene.h"
 
@@ -31,16 +32,21 @@ static void add(cloud* c, double x, double z)
     memcpy(n, &normal, sizeof(normal));
 }
 
+static stp_growth_desc describe(const cloud* c, float spacing, bool smaller)
+{
+    return (stp_growth_desc){.positions = c->positions,
+                             .normals = c->normals,
+                             .count = c->count,
+                             .sparse_count = c->count,
+                             .spacing = spacing,
+                             .radius = 0.70710678f * spacing,
+                             .smaller = smaller};
+}
+
 static bool find(cloud* c, uint32_t threads, float spacing, bool smaller)
 {
     stp_context* context = test_context(NULL, threads, NULL);
-    stp_growth_desc desc = {.positions = c->positions,
-                            .normals = c->normals,
-                            .count = c->count,
-                            .sparse_count = c->count,
-                            .spacing = spacing,
-                            .radius = 0.70710678f * spacing,
-                            .smaller = smaller};
+    stp_growth_desc desc = describe(c, spacing, smaller);
     bool found = stp_growths_find(context, &desc, c->growths) == STP_OK;
     stp_context_destroy(context);
     return found;
@@ -134,6 +140,94 @@ void test_growths_of_lonely_points_are_plain(test_state* test)
     c.positions[3 * (c.count - 1) + 1] += 6.0f;
     CHECK(find(&c, 1, 1.0f, true));
     CHECK(c.growths[c.count - 1] <= STP_GROWTH_PLAIN);
+}
+
+enum { PATCH = 12 }; ///< points in a row of a thin patch
+
+/// A thin patch of points, a few in each cell of 2.5, and a dense one `away` from it.
+static void make_patches(cloud* c, double away)
+{
+    c->count = 0;
+    for (uint32_t i = 0; i < PATCH * PATCH; ++i) {
+        add(c, 1.2 * (i % PATCH), 1.2 * (i / PATCH));
+    }
+    for (uint32_t i = 0; i < 600; ++i) {
+        add(c, away + 0.25 * (i % 20), 0.25 * (i / 20));
+    }
+}
+
+/// How many cells with a point of the dense patch have the bucket of one with a point of the other.
+static uint32_t count_shared_buckets(const cloud* c)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_grid grid;
+    uint32_t shared = 0;
+    if (stp_grid_create(context, c->positions, NULL, c->count, 2.5f, 0.0f, &grid) == STP_OK) {
+        for (size_t bucket = 0; bucket <= grid.mask; ++bucket) {
+            bool thin = false, dense = false;
+            for (uint32_t at = grid.starts[bucket]; at < grid.starts[bucket + 1]; ++at) {
+                bool of_thin = grid.index[at] < PATCH * PATCH;
+                thin = thin || of_thin;
+                dense = dense || !of_thin;
+            }
+            shared += thin && dense ? 1 : 0;
+        }
+        stp_grid_destroy(context, &grid);
+    }
+    stp_context_destroy(context);
+    return shared;
+}
+
+// Points far away change nothing, also where their cells of the grid share buckets.
+void test_growths_do_not_depend_on_places_far_away(test_state* test)
+{
+    static cloud c;
+    static uint8_t first[PATCH * PATCH];
+    uint32_t found = 0, grown = 0;
+    for (uint32_t i = 0; i < 1000 && found < 6; ++i) { // in turn without shared buckets, and with
+        make_patches(&c, 1000.0 + 10.0 * i);
+        if ((count_shared_buckets(&c) > 0) == (found % 2 == 1)) {
+            CHECK(find(&c, 1, 1.0f, true));
+            if (found++ == 0) {
+                memcpy(first, c.growths, sizeof(first));
+            }
+            CHECK(memcmp(first, c.growths, sizeof(first)) == 0);
+        }
+    }
+    for (uint32_t i = 0; i < PATCH * PATCH; ++i) {
+        grown += first[i] > STP_GROWTH_PLAIN ? 1 : 0;
+    }
+    CHECK_EQUAL(6, found);
+    CHECK(grown * 2 > PATCH * PATCH);
+}
+
+// Wide gaps are those of the first points, which lie a spacing apart; drawing covers a little around
+// each point anyway, so radii are smaller by that.
+void test_growths_of_a_sparse_prefix_reach_as_far(test_state* test)
+{
+    static cloud c;
+    stp_context* context = test_context(NULL, 1, NULL);
+    c.count = 0;
+    for (uint32_t i = 0; i < 100; ++i) {
+        add(&c, 3.0 * (i % 10), 3.0 * (i / 10));
+    }
+    for (uint32_t i = 0; i < 100; ++i) { // a pair of points at each place
+        add(&c, 3.0 * (i % 10) + 0.25, 3.0 * (i / 10));
+    }
+    stp_growth_desc desc = describe(&c, 1.0f, true);
+    desc.sparse_count = 100;
+    for (uint32_t k = 0; k < 2; ++k) {
+        desc.covered = k == 0 ? 0.0f : 0.5f;
+        CHECK_EQUAL(STP_OK, stp_growths_find(context, &desc, c.growths));
+        for (uint32_t i = 0; i < 200; ++i) {
+            uint32_t x = i % 10, z = i % 100 / 10;
+            bool inner = x > 0 && x < 9 && z > 0 && z < 9;
+            double reach =
+                (double)desc.covered + (double)(desc.radius * stp_growth_factor(c.growths[i]));
+            CHECK(!inner || (reach * 1.08 >= 2.0 && reach < 3.4)); // to the corner of the cell
+        }
+    }
+    stp_context_destroy(context);
 }
 
 /// Makes the set of a cloud, with growths or without.

@@ -336,6 +336,7 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
     make_sphere(&from, 200);
+    const stp_shading shadings[3] = {{.growth = 0.0f}, {.growth = 1.0f}, {.growth = -0.5f}};
     const stp_psp_metric metrics[] = {STP_PSP_REGIONS, STP_PSP_DISTANCES};
     for (int k = 0; k < 2; ++k) {
         bool made = false;
@@ -345,8 +346,8 @@ void test_psp_sets_survive_failing_allocator(test_state* test)
             stp_splats s = {0};
             if (context != NULL) {
                 // of one metric, a part of the splats
-                made = stp_psp_make(context, &from.set, NULL, false, metrics[k], k == 0 ? 20 : 0,
-                                    &s) == STP_OK &&
+                made = stp_psp_make(context, &from.set, shadings, false, metrics[k],
+                                    k == 0 ? 20 : 0, &s) == STP_OK &&
                        heap.count <= n;
                 stp_splats_destroy(context, &s);
             }
@@ -408,5 +409,28 @@ void test_psp_samples_have_the_radii_of_their_points(test_state* test)
     }
     CHECK_EQUAL(SAMPLES, leaves);
     stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
+// Splats that stand for points reach as far as these, whatever their radii.
+void test_psp_merges_reach_as_far_as_their_points(test_state* test)
+{
+    static samples from;
+    const stp_shading shadings[3] = {{.growth = 0.0f}, {.growth = 7.0f}, {.growth = 7.0f}};
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, 300);
+    from.set.candidate_radius = 0.05f;
+    float own = stp_prefix_table_radius(&from.set.table, from.set.count) + 8.0f * 0.05f;
+    const stp_psp_metric metrics[] = {STP_PSP_REGIONS, STP_PSP_DISTANCES};
+    for (int k = 0; k < 2; ++k) {
+        stp_splats s;
+        CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, shadings, false, metrics[k], 0, &s));
+        for (uint32_t i = 0; i < s.count; ++i) { // in regions, disks are cut by their neighbours
+            float radius = stp_shape_radius(s.shapes[i] & 0xFFFu) * s.step;
+            CHECK(radius > (k == 0 ? 0.3f : 0.97f) * own);
+        }
+        stp_splats_destroy(context, &s);
+    }
     stp_context_destroy(context);
 }

@@ -184,7 +184,8 @@ void test_spt_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
     make_samples(&from);
-    stp_spt_desc desc = {.tree = {STP_TREE_SPLIT, 255}};
+    const stp_shading shadings[3] = {{.growth = 0.0f}, {.growth = 1.0f}, {.growth = -0.5f}};
+    stp_spt_desc desc = {.tree = {STP_TREE_SPLIT, 255}, .shadings = shadings};
     bool made = false;
     int failures = 0;
     for (int n = 0; !made && n < 200; ++n) {
@@ -217,11 +218,16 @@ void test_spt_leaves_have_the_radii_of_their_points(test_state* test)
     stp_splats s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     float reach = stp_prefix_table_radius(&from.set.table, from.set.count);
+    uint32_t leaves[3] = {0};
     for (uint32_t i = 0; i < s.count; ++i) {
         float radius = stp_shape_radius(s.shapes[i] & 0xFFFu) * s.step;
         float own = reach + 0.05f * (1.0f + shadings[s.materials[i]].growth);
-        CHECK((s.ranges[i] & 0xFFFFu) != 0 || fabsf(radius - own) < 0.03f * own + s.step);
+        bool leaf = (s.ranges[i] & 0xFFFFu) == 0;
+        leaves[s.materials[i]] += leaf ? 1 : 0;
+        CHECK(!leaf || fabsf(radius - own) < 0.03f * own + s.step);
     }
+    CHECK_EQUAL(SAMPLES, leaves[0] + leaves[1] + leaves[2]);
+    CHECK(leaves[0] > 0 && leaves[1] > 0 && leaves[2] > 0);
     stp_splats_destroy(context, &s);
     stp_context_destroy(context);
 }

@@ -212,7 +212,8 @@ static int is_skeleton_dummy(const struct aiScene* scene, const struct aiMesh* m
 static void put_losses(stp_assimp_writer* w)
 {
     const struct aiScene* scene = w->scene;
-    stp_assimp_losses losses = {.animations = scene->mNumAnimations, .lights = scene->mNumLights};
+    stp_assimp_losses losses = {
+        .animations = scene->mNumAnimations, .lights = scene->mNumLights, .heights = w->heights};
     for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
         const struct aiMesh* mesh = scene->mMeshes[i];
         losses.skins += mesh->mNumBones > 0 && !is_skeleton_dummy(scene, mesh);
@@ -227,6 +228,7 @@ static void put_scene(stp_assimp_writer* w, const stp_assimp_files* files)
     const struct aiScene* scene = w->scene;
     stp_assimp_put_u32(w, STP_ASSIMP_SCENE);
     put_axes(w, files);
+    w->bumps = has_extension(files->path, " dae zae ");
     stp_assimp_put_u32(w, scene->mNumTextures);
     for (unsigned i = 0; i < scene->mNumTextures; ++i) {
         stp_assimp_put_texture(w, scene->mTextures[i]);

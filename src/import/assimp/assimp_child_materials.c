@@ -117,13 +117,19 @@ void stp_assimp_put_material(stp_assimp_writer* w, const struct aiMaterial* mate
 {
     stp_assimp_material out = {.base_color = {1, 1, 1, 1}, .roughness = 1};
     struct aiString name = {0}, base = {0}, emissive = {0}, opacity = {0};
-    struct aiString normals = {0};
+    struct aiString normals = {0}, heights = {0};
     stp_assimp_use base_use, emissive_use, normal_use, unused;
     (void)aiGetMaterialString(material, AI_MATKEY_NAME, &name);
     int has_base = get_texture(material, aiTextureType_BASE_COLOR, &base, &base_use) ||
                    get_texture(material, aiTextureType_DIFFUSE, &base, &base_use);
     int has_emissive = get_texture(material, aiTextureType_EMISSIVE, &emissive, &emissive_use);
     int has_normals = get_texture(material, aiTextureType_NORMALS, &normals, &normal_use);
+    int has_heights = get_texture(material, aiTextureType_HEIGHT, &heights, &unused);
+    if (has_normals && w->bumps) {
+        has_normals = 0;
+        has_heights = 1;
+    }
+    w->heights += has_heights && !has_normals ? 1 : 0; // as in mtl.c
     out.masked = get_texture(material, aiTextureType_OPACITY, &opacity, &unused) && has_base &&
                  strcmp(opacity.data, base.data) == 0;
     int physical = get_color(material, "$clr.base", out.base_color);

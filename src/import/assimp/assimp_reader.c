@@ -185,6 +185,7 @@ static stp_result read_losses(stp_assimp_reader* r)
     stp_losses_add(losses, STP_LOSS_MORPH, in.morphs);
     stp_losses_add(losses, STP_LOSS_LINE, in.lines);
     stp_losses_add(losses, STP_LOSS_LIGHT, in.lights);
+    stp_losses_add(losses, STP_LOSS_HEIGHT_MAP, in.heights);
     return STP_OK;
 }
 

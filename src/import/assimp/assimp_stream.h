@@ -17,7 +17,8 @@
 //             flags say
 //   node      text name, u32 parent, u32 flags, f64 transform[3][4], list of u32 meshes
 //   view      text name, f64 eye[3], target[3], up[3], fov
-//   losses    u32 animations, skins, morph targets, line meshes, lights (stp_assimp_losses)
+//   losses    u32 animations, skins, morph targets, line meshes, lights, maps of heights
+//             (stp_assimp_losses)
 #pragma once
 
 #include "import/reading/import.h"
@@ -60,7 +61,7 @@ typedef struct stp_assimp_mesh {
 
 /// Content of the scene that is not kept.
 typedef struct stp_assimp_losses {
-    uint32_t animations, skins, morphs, lines, lights;
+    uint32_t animations, skins, morphs, lines, lights, heights;
 } stp_assimp_losses;
 
 /// Adds the content of a stream to the scene. @return STP_OK; STP_ERROR_FORMAT if assimp failed or

@@ -14,6 +14,8 @@ typedef struct stp_assimp_writer {
     int failed;
     size_t used;
     const struct aiScene* scene;
+    int bumps; ///< whether assimp says "normals" for maps of heights, as for <bump> of Collada
+    uint32_t heights; ///< maps of heights so far, which are left out
     unsigned char buffer[STP_ASSIMP_BUFFER_SIZE];
 } stp_assimp_writer;
 

@@ -224,16 +224,14 @@ static stp_result read_emissive(material_reader* reader, const json_t* material)
     return read_texture(reader, material, "emissiveTexture", &out->emissive_texture);
 }
 
+// A map that would change nothing is left out, with its picture.
 static stp_result read_normal_map(material_reader* reader, const json_t* material)
 {
     stp_gltf_scope* scope = reader->scope;
     stp_material* out = &reader->pending->material;
     const json_t* info;
     double scale = 1.0;
-    stp_result result = read_texture(reader, material, "normalTexture", &out->normal_texture);
-    if (result == STP_OK) {
-        result = stp_gltf_object(scope, material, "normalTexture", &info);
-    }
+    stp_result result = stp_gltf_object(scope, material, "normalTexture", &info);
     if (result == STP_OK) {
         result = stp_gltf_number(scope, info, "scale", &scale);
     }
@@ -242,7 +240,9 @@ static stp_result read_normal_map(material_reader* reader, const json_t* materia
         scale = 1.0;
     }
     out->normal_scale = (float)scale;
-    return result;
+    return result == STP_OK && !out->unlit && out->normal_scale != 0.0f
+               ? read_texture(reader, material, "normalTexture", &out->normal_texture)
+               : result;
 }
 
 static stp_result read_material(material_reader* reader, const json_t* json)

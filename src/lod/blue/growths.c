@@ -15,8 +15,10 @@ enum {
     COARSE_POINTS = 32, ///< the same for wide gaps
     VOLUME =
         6, ///< from so many steep neighbours on, wide gaps are those of leaves, not of a surface
-    OUTSTANDING = 2, ///< how far a growth may be above the median around it
-    GRAIN = 1024     ///< buckets
+    OUTSTANDING = 2,         ///< how far a growth may be above the median around it
+    AROUND = 3,              ///< from so many other points on, a wider cell has a median
+    UNLIMITED = STP_GROWTHS, ///< in place of a growth that is still to be limited
+    GRAIN = 1024             ///< buckets
 };
 
 #define FINE_CELL 2.5f    // side of a cell, in spacings
@@ -55,7 +57,7 @@ typedef struct gap_search {
     stp_grid grids[LEVELS]; ///< of all points, then of sparse ones
     stp_cell_limits limits;
     float thresholds[STP_GROWTHS]; ///< how far each growth is enough
-    uint8_t* found;                ///< growth of each point, in the order of the fine grid
+    uint8_t* found;                ///< growth of each point
     uint8_t* growths;              ///< the same, and not far above those around it
 } gap_search;
 
@@ -182,13 +184,78 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
         stp_plane_cell cell;
         begin_cell(s->desc, grid->index[at], &cell);
         find_cell(s, levels, &cell);
-        s->found[at] = growth_for(s, s->kernels->reach(&s->limits, &cell));
+        s->found[grid->index[at]] = growth_for(s, s->kernels->reach(&s->limits, &cell));
+    }
+}
+
+static bool is_in_cell(const stp_grid* grid, uint32_t at, const int32_t cell[3])
+{
+    return stp_grid_cell(grid, grid->x[at]) == cell[0] &&
+           stp_grid_cell(grid, grid->y[at]) == cell[1] &&
+           stp_grid_cell(grid, grid->z[at]) == cell[2];
+}
+
+/// The growths of the other points in the cell of a grid that holds a point.
+typedef struct cell_census {
+    int32_t cell[3];
+    uint32_t others;
+    uint32_t at_most[STP_GROWTHS]; ///< points with a growth of at most each index, with its own
+} cell_census;
+
+static void take_census(const gap_search* s, const stp_grid* grid, uint32_t index,
+                        cell_census* census)
+{
+    const float* p = s->desc->positions + 3 * (size_t)index;
+    *census = (cell_census){
+        .cell = {stp_grid_cell(grid, p[0]), stp_grid_cell(grid, p[1]), stp_grid_cell(grid, p[2])}};
+    uint32_t bucket = stp_grid_bucket(grid, census->cell[0], census->cell[1], census->cell[2]);
+    for (uint32_t at = grid->starts[bucket]; at < grid->starts[bucket + 1]; ++at) {
+        if (is_in_cell(grid, at, census->cell)) { // the bucket may hold other cells
+            census->at_most[s->found[grid->index[at]]] += 1;
+        }
+    }
+    for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
+        census->at_most[k] += census->at_most[k - 1];
+    }
+    census->others = census->at_most[STP_GROWTHS - 1] - (index < grid->count ? 1 : 0);
+}
+
+/// A growth, or the largest smaller one that is at most OUTSTANDING above the median of the others.
+static uint8_t limit_growth(uint8_t growth, const cell_census* census)
+{
+    while (growth > STP_GROWTH_PLAIN &&
+           2 * census->at_most[growth - OUTSTANDING - 1] >= census->others) {
+        growth -= 1;
+    }
+    return growth;
+}
+
+/// Limits the growths of points [at, end) of a bucket of the finest grid that are in the cell of the
+/// first and still to be limited.
+static void limit_cell(const gap_search* s, uint32_t at, uint32_t end)
+{
+    const stp_grid* grid = &s->grids[0];
+    cell_census around;
+    take_census(s, grid, grid->index[at], &around);
+    bool lonely = around.others == 0;
+    if (lonely) {
+        cell_census wide;
+        take_census(s, &s->grids[1], grid->index[at], &wide);
+        around = wide.others >= AROUND ? wide : around;
+        end = at + 1;
+    }
+    for (; at < end; ++at) {
+        uint32_t index = grid->index[at];
+        if (s->growths[index] == UNLIMITED && (lonely || is_in_cell(grid, at, around.cell))) {
+            s->growths[index] = limit_growth(s->found[index], &around);
+        }
     }
 }
 
 /// Limits growths that are far above those around them, of points in the air, whose neighbours in
 /// the plane are not of their surface: to OUTSTANDING above the median of the other points of their
-/// bucket, and to STP_GROWTH_PLAIN in any case.
+/// cell of the finest grid. A point alone there takes the cell of the next grid; with fewer than
+/// AROUND others there, it has STP_GROWTH_PLAIN.
 static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -196,20 +263,14 @@ static void limit_buckets(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_grid* grid = &s->grids[0];
     for (size_t bucket = begin; bucket < end; ++bucket) {
         uint32_t first = grid->starts[bucket], last = grid->starts[bucket + 1];
-        uint32_t at_most[STP_GROWTHS] = {0}; // points with a growth of at most each index
         for (uint32_t at = first; at < last; ++at) {
-            at_most[s->found[at]] += 1;
-        }
-        for (uint32_t k = 1; k < STP_GROWTHS; ++k) {
-            at_most[k] += at_most[k - 1];
+            uint8_t growth = s->found[grid->index[at]];
+            s->growths[grid->index[at]] = growth > STP_GROWTH_PLAIN ? UNLIMITED : growth;
         }
         for (uint32_t at = first; at < last; ++at) {
-            uint32_t growth = s->found[at];
-            while (growth > STP_GROWTH_PLAIN &&
-                   2 * at_most[growth - OUTSTANDING - 1] >= last - first - 1) {
-                growth -= 1;
+            if (s->growths[grid->index[at]] == UNLIMITED) {
+                limit_cell(s, at, last);
             }
-            s->growths[grid->index[at]] = (uint8_t)growth;
         }
     }
 }

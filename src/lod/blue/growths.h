@@ -37,10 +37,12 @@ typedef struct stp_growth_desc {
 /// Finds how far the surface reaches around each point: the farthest corner of its cell in the
 /// Voronoi diagram of its neighbours in its tangent plane. In a direction in which the cell reaches
 /// more than 1.3 times as far as on the opposite side, it counts at most `covered` + `radius`, so
-/// that borders stay where they are; twice that where the cell is closed on that side. A cell that
-/// is closed on all sides may reach twice as far as on the opposite one. At most
-/// `covered` plus the largest factor times `radius` is found, and at most two factors above the
-/// median of the other points of its cell of a grid.
+/// that borders stay where they are; twice that where the cell is closed on that side. In a cell
+/// that is closed on all sides, a direction counts up to twice as far as the opposite one. At most
+/// `covered` plus the largest factor times `radius` is found. Factors above 1 are at most two steps
+/// above the median of the other points of the cell of a grid, 2.5 spacings wide, but are never
+/// limited below 1. A point alone there takes the cell of the next grid, 5 spacings wide, if that has
+/// three others, or else has at most the factor 1.
 /// @param growths result: an index for each point: the smallest factor that reaches as far
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_growths_find(stp_context* context, const stp_growth_desc* desc,

@@ -7,6 +7,7 @@
 #include "lod/blue/growths_kernels.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #if defined(__x86_64__)
@@ -115,7 +116,8 @@ static uint32_t project(const stp_around* around, const stp_plane_cell* cell, fl
         lanes_float v = d[0] * along.x + d[1] * along.y + d[2] * along.z;
         lanes_float h = d[0] * n.x + d[1] * n.y + d[2] * n.z;
         lanes_float square = u * u + v * v, climb = h * h;
-        lanes_int near = (lanes_int)(climb <= STEEP * STEEP * square) & (lanes_int)(square > 0.0f);
+        lanes_int near =
+            (lanes_int)(climb <= STEEP * STEEP * square) & (lanes_int)(square >= FLT_MIN);
         steep -= (lanes_int)(climb > STEEP * STEEP * square) &
                  (lanes_int)(square + climb < steep_within);
         square = (lanes_float)(((lanes_int)square & near) | ((lanes_int)far & ~near));

@@ -38,7 +38,8 @@ typedef struct psp_maker {
     float* areas; ///< per splat of the forest: represented surface area
     stp_psp_forest forest;
     stp_psp_sequence sequence;
-    uint32_t* counts;   ///< samples per merge
+    float* disks;  ///< per splat: area of its samples' whole disks; 1: one of the common radius
+    float* widest; ///< per splat: largest radius of its samples, in common radii
     uint8_t* materials; ///< per splat of the forest
     float reach;        ///< coverage radius of all samples over the candidates
     float spacing;      ///< coverage radius over the surface
@@ -57,11 +58,18 @@ static stp_result make_forest(psp_maker* m)
     }
     assert(m->cell > 0.0f);
     m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
-    if (m->areas == NULL) {
+    m->disks = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
+    m->widest = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
+    if (m->areas == NULL || m->disks == NULL || m->widest == NULL) {
         return stp_fail_memory(m->context);
     }
     for (uint32_t i = 0; i < p->count; ++i) {
-        m->areas[i] = m->cell * fmaxf(stp_coverage_area(m->points.coverages[i]), MIN_SHARE);
+        float radius =
+            m->points.radii != NULL && p->radius > 0.0f ? m->points.radii[i] / p->radius : 1.0f;
+        m->widest[i] = radius;
+        m->disks[i] = radius * radius;
+        m->areas[i] =
+            m->cell * m->disks[i] * fmaxf(stp_coverage_area(m->points.coverages[i]), MIN_SHARE);
     }
     const stp_psp_points from = {.count = p->count,
                                  .positions = p->positions,
@@ -81,9 +89,9 @@ static stp_result make_forest(psp_maker* m)
 
 /// Margin around the ellipse of a merge by one of the paper's metrics, so that it covers the drawn
 /// samples: STP_PSP_NORMALS covers disks that reach beyond them, STP_PSP_DISTANCES their centres.
-static float margin_of_cover(const psp_maker* m)
+static float margin_of_cover(const psp_maker* m, uint32_t splat)
 {
-    return m->metric == STP_PSP_DISTANCES ? m->points.points.radius : 0.0f;
+    return m->metric == STP_PSP_DISTANCES ? m->points.points.radius * m->widest[splat] : 0.0f;
 }
 
 /// Shape and coverage of a merged splat.
@@ -95,8 +103,9 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
     float share = area / (float)(PI * (double)major * (double)minor);
     bool scattered = !covers && share < SCATTERED;
     // splats that cover little of their samples' disks, such as wires, get only part of the margin
-    float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
-    float margin = covers ? margin_of_cover(m) : MARGIN * m->spacing * fminf(filled, 1.0f);
+    float filled = area / (m->disks[splat] * m->cell);
+    float beyond = MARGIN * m->spacing * m->widest[splat];
+    float margin = covers ? margin_of_cover(m, splat) : beyond * fminf(filled, 1.0f);
     float scale = scattered || covers ? 1.0f : GROWTH;
     m->splats->coverages[at] =
         scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
@@ -126,8 +135,7 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
             stp_octahedral_encode(e->normal, s->normals + 2 * at);
             fill_merged(m, splat, (uint32_t)at);
         } else { // samples are unchanged
-            const float* radii = m->points.radii;
-            float radius = (radii != NULL ? radii[splat] : m->points.points.radius) / s->step;
+            float radius = stp_method_samples_radius(&m->points, splat) / s->step;
             memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)splat,
                    3 * sizeof(uint16_t));
             memcpy(s->normals + 2 * at, m->samples->normals + 2 * (size_t)splat, 2);
@@ -138,8 +146,7 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Counts the samples of each merge, adds up its area, and gives it the material of its larger
-/// part.
+/// Adds up the areas of each merge, and gives it the material of its larger part.
 static void find_materials(const psp_maker* m)
 {
     const stp_psp_forest* f = &m->forest;
@@ -149,11 +156,10 @@ static void find_materials(const psp_maker* m)
         assert(parts[0] < f->point_count + i && parts[1] < f->point_count + i && "parts are done");
         uint32_t larger = m->areas[parts[0]] >= m->areas[parts[1]] ? parts[0] : parts[1];
         m->materials[f->point_count + i] = m->materials[larger];
-        m->counts[i] = 0;
-        m->areas[f->point_count + i] = m->areas[parts[0]] + m->areas[parts[1]];
-        for (int k = 0; k < 2; ++k) {
-            m->counts[i] += parts[k] < f->point_count ? 1 : m->counts[parts[k] - f->point_count];
-        }
+        uint32_t merged = f->point_count + i;
+        m->areas[merged] = m->areas[parts[0]] + m->areas[parts[1]];
+        m->disks[merged] = m->disks[parts[0]] + m->disks[parts[1]];
+        m->widest[merged] = fmaxf(m->widest[parts[0]], m->widest[parts[1]]);
     }
 }
 
@@ -179,9 +185,8 @@ static stp_result make(psp_maker* m)
     assert(m->limit != 0 || s->count >= m->samples->count); // all samples are splats
     size_t all = (size_t)m->forest.point_count + m->forest.merge_count;
     m->materials = STP_NEW_ARRAY(m->context, uint8_t, all);
-    m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
     result = result == STP_OK ? stp_splats_make_columns(m->context, s) : result;
-    if (result == STP_OK && (m->materials == NULL || m->counts == NULL)) {
+    if (result == STP_OK && m->materials == NULL) {
         result = stp_fail_memory(m->context);
     }
     if (result == STP_OK) {
@@ -214,7 +219,8 @@ stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
     stp_psp_forest_destroy(context, &m.forest);
     stp_free(context, m.areas);
     stp_free(context, m.materials);
-    stp_free(context, m.counts);
+    stp_free(context, m.disks);
+    stp_free(context, m.widest);
     stp_method_samples_destroy(context, &m.points);
     if (result != STP_OK) {
         stp_splats_destroy(context, splats);

@@ -14,7 +14,7 @@ enum {
 
 /// Maximum distance of a sample from its triangle caused by rounding, in grid steps of the set
 #define NEAR_STEPS 1.5f
-#define BESIDE 2.0f ///< radius within which a sample's disk may cover surface, in sample radii
+#define BESIDE 2.0f ///< radius within which a sample's disk may cover surface, in its own radii
 #define ALIKE 0.5f  ///< minimum cosine between normals of surfaces that one disk covers
 
 typedef struct range {
@@ -33,8 +33,9 @@ typedef struct replaced {
     const uint32_t* order; ///< triangles sorted along the curve
     bounds* tree;          ///< binary heap over ranges of `order`
     uint32_t count;
-    float near; ///< maximum distance at which a sample counts as on a triangle
-    float* on;  ///< per sample, the highest level of triangles it lies on
+    float near;  ///< maximum distance at which a sample counts as on a triangle
+    float reach; ///< maximum distance at which any sample's disk may cover surface
+    float* on;   ///< per sample, the highest level of triangles it lies on
     float* levels;
     const stp_grid* grid;
 } replaced;
@@ -164,11 +165,12 @@ static void find_all_on(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 /// Minimum level of the samples in a bucket whose surface a sample's disk may cover.
-static float min_level_in_bucket(const replaced* r, uint32_t bucket, stp_vec3 p, stp_vec3 n,
-                                 float level)
+static float min_level_in_bucket(const replaced* r, uint32_t bucket, size_t sample, float level)
 {
     const stp_grid* g = r->grid;
-    float reach = BESIDE * r->samples->points.radius;
+    stp_vec3 p = vector_at(r->samples->positions, sample),
+             n = vector_at(r->samples->normals, sample);
+    float reach = BESIDE * stp_method_samples_radius(r->samples, sample);
     for (uint32_t k = g->starts[bucket]; k < g->starts[bucket + 1]; ++k) {
         stp_vec3 d = {g->x[k] - p.x, g->y[k] - p.y, g->z[k] - p.z};
         stp_vec3 m = {g->nx[k], g->ny[k], g->nz[k]};
@@ -184,14 +186,14 @@ static void find_levels(size_t begin, size_t end, uint32_t worker, void* user)
     const replaced* r = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        stp_vec3 p = vector_at(r->samples->positions, i), n = vector_at(r->samples->normals, i);
+        stp_vec3 p = vector_at(r->samples->positions, i);
         float level = r->on[i];
         int32_t low[3] = {stp_grid_cell(r->grid, p.x) - 1, stp_grid_cell(r->grid, p.y) - 1,
                           stp_grid_cell(r->grid, p.z) - 1};
         for (int32_t k = 0; k < 27 && level > 0.0f; ++k) {
             uint32_t bucket =
                 stp_grid_bucket(r->grid, low[0] + k % 3, low[1] + k / 3 % 3, low[2] + k / 9);
-            level = min_level_in_bucket(r, bucket, p, n, level);
+            level = min_level_in_bucket(r, bucket, i, level);
         }
         r->levels[i] = level;
     }
@@ -202,9 +204,9 @@ static stp_result find_all(stp_context* context, replaced* r)
     const stp_tree_points* points = &r->samples->points;
     stp_grid grid = {0};
     stp_result result = stp_grid_create(context, r->samples->positions, r->samples->normals,
-                                        points->count, BESIDE * points->radius, 0.0f, &grid);
+                                        points->count, r->reach, 0.0f, &grid);
     if (result == STP_OK) {
-        assert(!(grid.cell < BESIDE * points->radius) && "27 cells hold all neighbours");
+        assert(!(grid.cell < r->reach) && "27 cells hold all neighbours");
         r->grid = &grid;
         (void)make_tree(r, 0, (range){0, r->count});
         stp_parallel_for(context, points->count, 512, find_all_on, r);
@@ -235,6 +237,11 @@ stp_result stp_spt_find_replaced(stp_context* context, const stp_method_samples*
                   .near = NEAR_STEPS * step,
                   .on = STP_NEW_ARRAY(context, float, sample_count),
                   .levels = levels};
+    float widest = samples->points.radius;
+    for (size_t i = 0; i < sample_count; ++i) {
+        widest = fmaxf(widest, stp_method_samples_radius(samples, i));
+    }
+    r.reach = BESIDE * widest;
     bool made = middles != NULL && order != NULL && r.tree != NULL && r.on != NULL;
     for (size_t i = 0; made && i < 3 * (size_t)count; ++i) {
         const float* p = corners + 9 * (i / 3) + i % 3;

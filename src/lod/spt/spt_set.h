@@ -20,10 +20,10 @@ typedef struct stp_spt_desc {
 } stp_spt_desc;
 
 /// Makes the splats of a node from its evenly spaced samples, a set of method `blue`. Each surfel
-/// becomes a leaf with the size at which it is drawn, with its growth. Ranges and the prefix table hold half errors:
-/// a splat is drawn if the requested radius lies in its range. Splats are sorted by descending
-/// highest level, and between two breakpoints of the table by direction and position. Leaves count
-/// as exact; beyond the table's last radius the samples are too sparse. A splat is marked as
+/// becomes a leaf with the size at which it is drawn, with its growth. Ranges and the prefix table
+/// hold half errors: a splat is drawn if the requested radius lies in its range. Splats are sorted
+/// by descending highest level, and between two breakpoints of the table by direction and position.
+/// Leaves count as exact; beyond the table's last radius the samples are too sparse. A splat is marked as
 /// replaced if it is drawn only at levels at which large triangles surround its samples. Arrays of
 /// the result are allocated with stp_alloc.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

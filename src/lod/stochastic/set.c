@@ -168,7 +168,8 @@ typedef struct leaf_normals {
     uint8_t* missing; ///< by candidate: STP_NORMAL_*
 } leaf_normals;
 
-/// Gives points without normals those of their leaves, if these have a plane.
+/// Gives points with too few neighbours the normals of their leaves, if these have a plane. Points
+/// whose neighbours lie in a line keep the search: their plane is found farther away.
 static void take_leaf_normals(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
