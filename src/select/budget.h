@@ -36,6 +36,7 @@ typedef struct stp_frame_cost {
     /// Parts of the time: what a frame without the effects before this one would have saved by
     /// leaving it out, too. 0: it was not drawn
     double effect_ms[STP_EFFECT_COUNT];
+    uint32_t unwanted; ///< effects that nobody asked for now, as bits 1 << stp_budget_effect
 } stp_frame_cost;
 
 enum {
@@ -104,5 +105,6 @@ void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 /// Predicted time of a frame like the last one at another size, without effects, in milliseconds. 0
 /// before the first frame.
 double stp_budget_predict(const stp_budget* budget, double splat_size);
-/// The same with all effects that are wanted, whether or not they are left out.
-double stp_budget_predict_whole(const stp_budget* budget, double splat_size);
+/// The same with all effects that are wanted, whether or not they are left out, but those of
+/// `without`, as bits 1 << stp_budget_effect.
+double stp_budget_predict_whole(const stp_budget* budget, double splat_size, uint32_t without);

@@ -150,8 +150,11 @@ typedef struct stp_cpu_effects {
 typedef struct stp_cpu_pixel_filter {
     uint8_t* memory;
     size_t capacity;
-    uint8_t* kinds; ///< one a pixel of the current eye: 1 where it shows a splat; NULL: unused
+    /// One a pixel of the current eye: 1 where it shows a splat. NULL between frames, and in pictures
+    /// that are not filtered
+    uint8_t* kinds;
     uint8_t *borders, *scratch;
+    bool warned; ///< a warning about missing memory was logged
 } stp_cpu_pixel_filter;
 
 /// Memory for the filter (passes.h).
@@ -184,7 +187,9 @@ typedef struct stp_cpu_layers {
     size_t capacity;
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
-    bool* marks;       ///< per worker and STP_LAYER_MARKED pixels: fragments of the current layer
+    /// Per worker and STP_LAYER_MARKED pixels: fragments of the current layer. Only of workers that
+    /// drew
+    bool* marks;
     size_t mark_count; ///< of each worker
     bool nearest_only; ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
     atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
