@@ -63,7 +63,8 @@ void made_picture_add_material(made_picture* p, uint32_t index, const float colo
     s->material_count = s->shading_count = index + 1;
 }
 
-void made_picture_add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move, bool splats)
+void made_picture_add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move,
+                            bool splats)
 {
     made_scene* s = &p->scene;
     const float* base = s->materials[material].base_color;

@@ -3,6 +3,8 @@
 #include "support_gl.h"
 #include "tests.h"
 
+#include "select/eyes.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,6 +78,37 @@ void test_glass_of_any_width_has_the_same_layers(test_state* test)
     }
 }
 
+/// The picture of two eyes is that of each.
+void test_glass_of_two_eyes_is_that_of_each(test_state* test)
+{
+    static uint8_t both[WIDEST * HEIGHT * 4], one[WIDEST * HEIGHT * 4];
+    for (uint32_t threads = 1; threads <= 3; ++threads) {
+        made_picture p;
+        CHECK(made_picture_begin(&p, NULL, threads));
+        add_panes(&p);
+        CHECK_EQUAL(STP_OK, made_picture_open(&p));
+        for (int frame = 0; frame < 4; ++frame) {
+            p.view.eye_distance = 0.3;
+            CHECK_EQUAL(STP_OK, draw(&p, p.renderer, 130, 0.1 * frame, both));
+            const stp_view view = p.view;
+            for (uint32_t eye = 0; eye < 2; ++eye) {
+                stp_image image = {65, HEIGHT, one};
+                p.view = stp_view_of_eye(&view, eye);
+                CHECK_EQUAL(STP_OK,
+                            stp_renderer_draw_selected(p.renderer, &p.view, &p.quality, &p.style,
+                                                       &p.list, &image, &p.stats));
+                CHECK(p.stats.layers > 0);
+                for (int y = 0; y < HEIGHT; ++y) {
+                    CHECK_EQUAL(
+                        0, memcmp(both + 4 * (y * 130 + 65 * (int)eye), one + 4 * y * 65, 4 * 65));
+                }
+            }
+            p.view = view;
+        }
+        made_picture_end(&p);
+    }
+}
+
 void test_gl_glass_of_any_width_matches_the_cpu(test_state* test)
 {
     static uint8_t cpu[WIDEST * HEIGHT * 4], gl[WIDEST * HEIGHT * 4];
@@ -90,6 +123,7 @@ void test_gl_glass_of_any_width_matches_the_cpu(test_state* test)
     for (int i = 0; i < 2 * WIDTHS; ++i) {
         uint32_t width = widths[i % WIDTHS];
         m.picture.style.pixel_filter = i >= WIDTHS;
+        m.picture.view.eye_distance = width % 2 == 0 ? 0.3 : 0.0;
         CHECK_EQUAL(STP_OK, draw(&m.picture, m.picture.renderer, width, 0.1, cpu));
         CHECK_EQUAL(STP_OK, draw(&m.picture, m.renderer, width, 0.1, gl));
         CHECK(count_different(cpu, width, gl, width, width) <= (int)(width * HEIGHT / 100));

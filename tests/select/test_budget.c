@@ -734,7 +734,9 @@ void test_budget_does_not_alternate_in_noise(test_state* test)
                             .layer_ms = i % 80 < 40 ? 3.0 : 0.0,
                             .nearest_ms = i < 160 ? 3.5 : 0.0,
                             .occlusion_ms = i < 160 ? 0.0 : 4.0,
-                            .noise = i % 3 == 0 ? 0.15 : i % 3 == 1 ? 0.2 : 0.25,
+                            .noise = i % 3 == 0   ? 0.15
+                                     : i % 3 == 1 ? 0.2
+                                                  : 0.25,
                             .plain = true};
         stp_budget budget;
         stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);

@@ -5,7 +5,9 @@ static const double finest_ms = 6000.0; // no finer picture is started if it wou
 static const double whole_ms = 250.0;   // splats shrink in one step at rest if that takes no longer
 // A step with larger splats must take at most this part of the time: effects take as long in it.
 static const double step_part = 2.0 / 3.0;
-enum { SHOWN_SAMPLES = 4 }; // fewer accumulated samples are noisier than the filtered picture before
+enum {
+    SHOWN_SAMPLES = 4
+}; // fewer accumulated samples are noisier than the filtered picture before
 
 static float finest_of(const paint_request* request)
 {

@@ -111,6 +111,7 @@ typedef struct stp_cpu_worker {
     uint64_t layer_found;       ///< fragments of the current task between the layer's bounds
     uint64_t layer_pixels;      ///< shaded pixels of the current layer
     bool drew, failed;
+    bool drew_opaque; ///< while layers are drawn: whether it drew anything before them, of any eye
 } stp_cpu_worker;
 
 /// One eye of a view.
@@ -190,8 +191,8 @@ typedef struct stp_cpu_layers {
     /// Per worker and STP_LAYER_MARKED pixels: fragments of the current layer. Only of workers that
     /// drew
     bool* marks;
-    size_t mark_count; ///< of each worker
-    bool nearest_only; ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
+    size_t mark_count;           ///< of each worker
+    bool nearest_only;           ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
     atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
     uint32_t depth_of_opacity[256];
     float* light; ///< 4 per pixel: linear colour of the layers so far, and their transmittance

@@ -278,6 +278,24 @@ void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_c
     }
 }
 
+/// Begins the layers of an eye, whose opaque pixels were merged; those of other eyes may not be.
+static void keep_opaque(stp_cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew_opaque = r->workers[i].drew;
+        r->workers[i].drew = false;
+        r->workers[i].layer_pixels = 0;
+    }
+}
+
+/// After the layers of an eye.
+static void return_to_opaque(stp_cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew = r->workers[i].drew_opaque;
+    }
+}
+
 /// Pixels of a drawn layer.
 static uint64_t count_pixels(stp_cpu_renderer* r)
 {
@@ -337,7 +355,7 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     stp_result result = list_tasks(r, &any);
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
-    count_pixels(r);
+    keep_opaque(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, clear_rows, r);
     uint32_t most = l->nearest_only ? 1 : STP_LAYERS_MAX;
     for (l->count = 0; any && l->count < most && result == STP_OK; ++l->count) {
@@ -352,6 +370,7 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
         any = count_pixels(r) > 0;
         result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     }
+    return_to_opaque(r);
     l->count -= l->count > 0 && !any; // the last pass found none
     if (l->count > 0 && result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, compose_rows, r);

@@ -52,10 +52,11 @@ bool stp_gl_pixel_filter_pass_begin(stp_gl_renderer* r)
     bool can = make_program(r) && make_textures(r);
     if (!can && !pass->warned) {
         pass->warned = true;
-        stp_warn(r->base.context,
-                 "gl: the program or the graphics memory to filter a picture of %ux%u is missing: it "
-                 "is not filtered",
-                 r->target.full_width, r->target.height);
+        stp_warn(
+            r->base.context,
+            "gl: the program or the graphics memory to filter a picture of %ux%u is missing: it "
+            "is not filtered",
+            r->target.full_width, r->target.height);
     }
     return can;
 }
