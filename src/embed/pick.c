@@ -87,7 +87,8 @@ static stp_result pick_for(const char* name, stp_model* model, const stp_view* v
     }
     stp_pick_desc desc = {
         .sections = &view->sections, .visibility = model->visibility, .back_faces = how.back_faces};
-    if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
+    bool finite = isfinite(x) && isfinite(y);
+    if (!finite || !stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
                         "%s: the position is not finite, or too far outside", name);
     }
