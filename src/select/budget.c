@@ -51,6 +51,8 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define EFFECT_MOST 0.75  // nor others while splats are fine, unless all take more than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
 #define EFFECT_FRAMES 15  // for so many frames, before the next one returns
+#define EFFECT_STAYS 300  // an effect that leaves within so many frames comes and goes:
+#define EFFECT_PATIENCE 3 // each time, up to so often, the next return takes four times as long
 // Frames with an effect before it is judged. The first frame is cold, but many samples or layers
 // may take so long that a second one is not worth it.
 static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1, 3};
@@ -399,6 +401,8 @@ static double leave_effects(stp_budget* b, double margin)
             (size > effect_size[i] || sum > EFFECT_MOST * b->budget_ms)) {
             b->effects[i].left_out = true;
             b->calm_frames = 0;
+            bool soon = b->returned > 0 && b->frames - b->returned < EFFECT_STAYS;
+            b->patience = soon ? b->patience + (b->patience < EFFECT_PATIENCE) : 0;
             size = solve_size(b, margin * time_for_detail(b));
         }
     }
@@ -441,7 +445,8 @@ static void return_effect(stp_budget* b, double margin)
     fits = fits && next >= 0 &&
            solve_size(b, EFFECT_ROOM * margin * time_beside(b, next)) <= effect_size[next];
     b->calm_frames = fits ? b->calm_frames + 1 : 0;
-    if (b->calm_frames >= EFFECT_FRAMES) {
+    if (b->calm_frames >= EFFECT_FRAMES << 2 * b->patience) {
+        b->returned = b->frames;
         b->effects[next].left_out = false;
         b->effects[next].frames = 0;
         b->calm_frames = 0;

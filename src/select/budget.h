@@ -82,6 +82,8 @@ typedef struct stp_budget {
     double trial_limit_ms; ///< what it may rise to
     stp_budget_effect_state effects[STP_EFFECT_COUNT];
     uint32_t calm_frames; ///< in a row that would have had time for the effect that returns next
+    uint64_t returned;    ///< frame after which an effect returned last
+    uint32_t patience;    ///< how often effects left soon after they had returned
 } stp_budget;
 
 /// `budget_ms` above 0.

@@ -729,8 +729,8 @@ void test_budget_does_not_alternate_in_noise(test_state* test)
 {
     int most = 0;
     for (int i = 0; i < 240; ++i) {
-        lavish_machine m = {.fixed_ms = 2.0,
-                            .detail_ms = 6.0 + 0.4 * (double)(i % 40),
+        lavish_machine m = {.fixed_ms = 6.0 + 0.25 * (double)(i % 40),
+                            .detail_ms = 3.0,
                             .layer_ms = i % 80 < 40 ? 3.0 : 0.0,
                             .nearest_ms = i < 160 ? 3.5 : 0.0,
                             .occlusion_ms = i < 160 ? 0.0 : 4.0,
