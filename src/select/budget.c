@@ -445,7 +445,7 @@ static void return_effect(stp_budget* b, double margin)
     fits = fits && next >= 0 &&
            solve_size(b, EFFECT_ROOM * margin * time_beside(b, next)) <= effect_size[next];
     b->calm_frames = fits ? b->calm_frames + 1 : 0;
-    if (b->calm_frames >= EFFECT_FRAMES << 2 * b->patience) {
+    if (b->calm_frames >= (uint32_t)EFFECT_FRAMES << 2u * b->patience) {
         b->returned = b->frames;
         b->effects[next].left_out = false;
         b->effects[next].frames = 0;
