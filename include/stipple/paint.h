@@ -68,9 +68,9 @@ typedef struct stp_paint_desc {
     float splat_size;
     /// Above 0: frame-time budget in milliseconds. The painter chooses the splat size from previous
     /// frames, never below `splat_size`; it adapts over the first frames. Without `accumulate`,
-    /// ambient occlusion, then all `samples` but one, then all layers of transparent surfaces but
-    /// the nearest, which becomes a pattern of pixels at last, are left out while there is no time
-    /// for them beside fine splats.
+    /// effects are left out while there is no time for them beside fine splats, in this order:
+    /// ambient occlusion, all `samples` but one, all layers of transparent surfaces but the nearest.
+    /// At last that layer becomes a pattern of pixels.
     double budget_ms;
     uint64_t splat_count; ///< above 0: total number of splats, instead of a size
     const char* method;   ///< method whose splats are drawn: "blue", ...; NULL: the file's default

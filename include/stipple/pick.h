@@ -49,8 +49,8 @@ typedef struct stp_hit_desc {
 
 /// Picks at a position in the picture, in pixels from the left and top edges (the centre of the
 /// first pixel is 0.5, 0.5). Hidden objects and parts cut away by the view's sections are ignored,
-/// and so are backs of single-sided materials, unless the view has sections (stp_model_pick_with hits them, too). Points are hit within
-/// two pixels.
+/// and so are backs of single-sided materials, unless the view has sections (see
+/// stp_hit_desc.back_faces). Points are hit within two pixels.
 /// @return STP_OK, whether or not anything is hit; STP_ERROR_ARGUMENT (invalid view),
 /// STP_ERROR_LIMIT, STP_ERROR_FORMAT (damaged data), STP_ERROR_OUT_OF_MEMORY
 STP_API STP_MUST_USE stp_result stp_model_pick(stp_model* model, const stp_view* view, double x,

@@ -261,8 +261,10 @@ const command command_fly = {
             "scene.\n\n"
             "Popping is measured on blocks of 8 x 8 pixels: how much more they change between "
             "frames (mean over pixels and channels, 0 to 255) than in pictures of the original "
-            "geometry. The truth of a compared frame is its covered SSIM to the originals with 16 "
-            "samples a pixel, and its ratio is to the truth of the originals with one sample. "
+            "geometry. SSIM and popping compare with the originals drawn like the frame: with its "
+            "samples and its pixel filter. The truth of a compared frame is its covered SSIM to "
+            "the originals with 16 samples a pixel; exact is the truth of the originals with one "
+            "sample, filtered is the same after the pixel filter, and ratio is truth / exact. "
             "--reference-every and --popping draw that geometry, which takes long in "
             "large scenes; --plot shows their results.",
     .examples = "Fly at 33 ms per frame and plot the times:\n"

@@ -103,7 +103,7 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .words = "auto|layers|pattern|nearest",
          .help =
              "transparent surfaces: layers (all, sorted), nearest (one layer, as opaque as all) or "
-             "pattern (dithered); default auto: layers, but nearest in flights without "
+             "pattern (dithered); default auto: layers, but nearest in fly without "
              "--budget-ms; --budget-ms draws nearest, then pattern, in place of layers where those "
              "take too long",
          .value = &o->transparency,
@@ -113,7 +113,7 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .argument = "NAME",
          .words = "auto|on|off",
          .help = "calm what aliases: each pixel of a picture with one sample becomes a mean of "
-                 "itself and its neighbours; default auto: on with --budget-ms and in flights, "
+                 "itself and its neighbours; default auto: on with --budget-ms and in fly, "
                  "but not with --reference",
          .value = &o->pixel_filter,
          .rare = true},

@@ -117,7 +117,8 @@ typedef struct study {
     stp_image ours[2], references[2];
     stp_popping popping;
     // the true picture of the view compared last, and how true the originals with one sample are
-    stp_image truth, exact; ///< `exact` is scratch
+    stp_image truth, scratch;
+    const stp_image* exact; ///< those originals: the frame's reference, or drawn into `scratch`
     stp_view compared;
     double exact_truth, filtered_truth;
     bool has_truth;
@@ -156,7 +157,7 @@ static stp_result compare_exact(void* user)
     study* s = user;
     stp_image_quality quality;
     stp_result result =
-        stp_image_compare(s->maker->context, &s->exact, &s->truth, NULL, NULL, &quality);
+        stp_image_compare(s->maker->context, s->exact, &s->truth, NULL, NULL, &quality);
     s->exact_truth = quality.ssim_covered;
     return result;
 }
@@ -165,7 +166,13 @@ static stp_result compare_exact(void* user)
 static stp_result measure_exact(study* s, const stp_view* view, bool filtered, double* truth)
 {
     const stp_visibility* visibility = s->plan->quality.visibility;
-    stp_result result = frame_draw_originals(s->maker, view, visibility, 1, filtered, &s->exact);
+    const stp_draw_style* style = &s->maker->style;
+    bool drawn = style->supersample <= 1 && style->pixel_filter == filtered; // as the reference
+    stp_result result = STP_OK;
+    s->exact = drawn ? &s->references[s->frame & 1] : &s->scratch;
+    if (!drawn) {
+        result = frame_draw_originals(s->maker, view, visibility, 1, filtered, &s->scratch);
+    }
     result = result == STP_OK ? frame_do(s->maker, compare_exact, s) : result;
     *truth = s->exact_truth;
     return result;
@@ -231,7 +238,7 @@ static stp_result study_frame(study* s, uint32_t i)
     }
     if (result == STP_OK && (compared || plan->popping)) {
         result = frame_draw_originals(s->maker, &view, plan->quality.visibility, style.supersample,
-                                      false, &s->references[i & 1]);
+                                      style.pixel_filter, &s->references[i & 1]);
     }
     if (result == STP_OK && compared) {
         result = compare_frame(s, &view);
@@ -255,7 +262,7 @@ static bool create_images(study* s)
     }
     created =
         created && (!compares || frame_maker_create_image(s->maker, width, height, &s->truth));
-    return created && (!compares || frame_maker_create_image(s->maker, width, height, &s->exact));
+    return created && (!compares || frame_maker_create_image(s->maker, width, height, &s->scratch));
 }
 
 static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_record* record)
@@ -283,7 +290,7 @@ static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_
         stp_free(maker->context, s.references[i].pixels);
     }
     stp_free(maker->context, s.truth.pixels);
-    stp_free(maker->context, s.exact.pixels);
+    stp_free(maker->context, s.scratch.pixels);
     return result;
 }
 

@@ -8,6 +8,24 @@ static bool is_left_out(uint32_t left_out, stp_budget_effect effect)
     return (left_out >> effect & 1u) != 0;
 }
 
+/// Effects that a style has, as bits 1 << stp_budget_effect.
+static uint32_t list_effects(const stp_draw_style* style)
+{
+    const uint32_t glass = 1u << STP_EFFECT_LAYERS | 1u << STP_EFFECT_NEAREST;
+    return (style->ambient_occlusion > 0.0f ? 1u << STP_EFFECT_OCCLUSION : 0u) |
+           (style->supersample > 1 ? 1u << STP_EFFECT_ANTIALIASING : 0u) |
+           (style->transparency == STP_TRANSPARENCY_LAYERS ? glass : 0u);
+}
+
+/// Effects that are neither drawn nor left out for lack of time, and those that are free.
+static uint32_t list_unwanted(const stp_draw_style* style)
+{
+    uint32_t wanted = list_effects(style) | style->left_out;
+    wanted |= is_left_out(style->left_out, STP_EFFECT_LAYERS) ? 1u << STP_EFFECT_NEAREST : 0u;
+    wanted &= style->eye_dome > 0.0f ? ~(1u << STP_EFFECT_OCCLUSION) : ~0u;
+    return ~wanted & ((1u << STP_EFFECT_COUNT) - 1u);
+}
+
 /// Splits the time of transparent surfaces. All layers take a pass each, and one that finds nothing.
 /// The nearest layer is an effect if it is drawn for lack of time, not where a style wants it.
 static void split_layers(const stp_draw_style* style, uint32_t layers, double milliseconds,
@@ -43,7 +61,8 @@ stp_frame_cost stp_draw_frame_cost(const stp_draw_style* style, const stp_draw_s
                            .triangles = stats->listed_triangles,
                            .covered_pixels = stats->covered_pixels,
                            .draw_calls = stats->draw_calls,
-                           .splat_size = splat_size};
+                           .splat_size = splat_size,
+                           .unwanted = list_unwanted(style)};
     split(style, stats, milliseconds, cost.effect_ms);
     return cost;
 }
@@ -53,8 +72,7 @@ stp_draw_style stp_draw_style_without(const stp_draw_style* style, uint32_t left
     stp_draw_style less = *style;
     assert(left_out >> STP_EFFECT_COUNT == 0 && "bits of known effects");
     bool layered = style->transparency == STP_TRANSPARENCY_LAYERS;
-    const uint32_t glass = 1u << STP_EFFECT_LAYERS | 1u << STP_EFFECT_NEAREST;
-    less.left_out = layered ? left_out : left_out & ~glass;
+    less.left_out = left_out & list_effects(style);
     if (is_left_out(left_out, STP_EFFECT_OCCLUSION)) {
         less.ambient_occlusion = 0.0f;
     }

@@ -71,13 +71,9 @@ static stp_result describe_hit(stp_model* model, const stp_view* view, const stp
     return result == STP_OK && hit->is_point ? read_values(model, pick, hit) : result;
 }
 
-stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, double y, stp_hit* hit)
-{
-    return stp_model_pick_with(model, view, NULL, x, y, hit);
-}
-
-stp_result stp_model_pick_with(stp_model* model, const stp_view* view, const stp_hit_desc* given,
-                               double x, double y, stp_hit* hit)
+/// Picks for the function of that name.
+static stp_result pick_for(const char* name, stp_model* model, const stp_view* view,
+                           const stp_hit_desc* given, double x, double y, stp_hit* hit)
 {
     stp_pick pick;
     stp_hit_desc how;
@@ -91,9 +87,10 @@ stp_result stp_model_pick_with(stp_model* model, const stp_view* view, const stp
     }
     stp_pick_desc desc = {
         .sections = &view->sections, .visibility = model->visibility, .back_faces = how.back_faces};
-    if (!stp_ray_of_pixel(view, x, y, &desc.ray)) {
+    bool finite = isfinite(x) && isfinite(y);
+    if (!finite || !stp_ray_of_pixel(view, x, y, &desc.ray)) {
         return stp_fail(model->context, STP_ERROR_ARGUMENT,
-                        "stp_model_pick: the position is not finite, or too far outside");
+                        "%s: the position is not finite, or too far outside", name);
     }
     stp_pixel_width(view, &desc.point_base, &desc.point_slope);
     desc.point_base *= point_pixels;
@@ -109,6 +106,17 @@ stp_result stp_model_pick_with(stp_model* model, const stp_view* view, const stp
         STP_WRITE_INFO(hit, made);
     }
     return result;
+}
+
+stp_result stp_model_pick(stp_model* model, const stp_view* view, double x, double y, stp_hit* hit)
+{
+    return pick_for("stp_model_pick", model, view, NULL, x, y, hit);
+}
+
+stp_result stp_model_pick_with(stp_model* model, const stp_view* view, const stp_hit_desc* given,
+                               double x, double y, stp_hit* hit)
+{
+    return pick_for("stp_model_pick_with", model, view, given, x, y, hit);
 }
 _Static_assert((int)STP_HIT_SNAP_EDGE == (int)STP_SNAP_EDGE &&
                    (int)STP_HIT_SNAP_VERTEX == (int)STP_SNAP_VERTEX,

@@ -173,8 +173,8 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
                                          _mm256_cmpgt_epi32(_mm256_set1_epi32(box.x1), at));
         __m256i column = _mm256_sub_epi32(at, _mm256_set1_epi32(t->x0[i]));
         __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), _mm256_cvtepi32_ps(column));
-        uint64_t* row = f->target->pixels + (size_t)box.y0 * f->target->stride + (size_t)x;
-        for (int32_t y = box.y0; y < box.y1; ++y, row += f->target->stride) {
+        for (int32_t y = box.y0; y < box.y1; ++y) {
+            uint64_t* row = f->target->pixels + (size_t)y * f->target->stride + (size_t)x;
             __m256 v = _mm256_set1_ps(t->v0[i] + (float)(y - t->y0[i]));
             __m256i bits;
             __m256i inside = _mm256_and_si256(evaluate(f, t, i, u, v, &bits), there);

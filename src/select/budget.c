@@ -51,6 +51,8 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define EFFECT_MOST 0.75  // nor others while splats are fine, unless all take more than this
 #define EFFECT_ROOM 0.9   // share of the budget that they, with the finest splats, must fit
 #define EFFECT_FRAMES 15  // for so many frames, before the next one returns
+#define EFFECT_STAYS 300  // an effect that leaves within so many frames comes and goes:
+#define EFFECT_PATIENCE 3 // each time, up to so often, the next return takes four times as long
 // Frames with an effect before it is judged. The first frame is cold, but many samples or layers
 // may take so long that a second one is not worth it.
 static const uint32_t effect_proof[STP_EFFECT_COUNT] = {3, 1, 1, 3};
@@ -324,6 +326,10 @@ static void update_effects(stp_budget* b, const stp_frame_cost* cost, double own
     double rest = own_ms;
     for (int i = STP_EFFECT_COUNT; i-- > 0;) {
         stp_budget_effect_state* e = &b->effects[i];
+        if ((cost->unwanted >> i & 1u) != 0) {
+            *e = (stp_budget_effect_state){0}; // it is judged anew once it is wanted again
+            continue;
+        }
         if (e->left_out) {
             continue;
         }
@@ -345,18 +351,28 @@ static bool is_judged(const stp_budget* b, int effect)
     return !e->left_out && e->frames >= effect_proof[effect];
 }
 
-/// The part of the budget that the next frame's effects leave. Unknown effects do not make splats
-/// larger.
-static double time_for_detail(const stp_budget* b)
+/// The part of the budget that effects leave: those that are judged, and the one of number `more`.
+static double time_beside(const stp_budget* b, int more)
 {
     double left = b->budget_ms;
     for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
         const stp_budget_effect_state* e = &b->effects[i];
-        if (is_judged(b, i)) {
-            left = i == STP_EFFECT_ANTIALIASING ? left / (1.0 + e->share) : left - e->ms;
+        if (i == STP_EFFECT_ANTIALIASING && (i == more || is_judged(b, i))) {
+            left /= 1.0 + e->share;
+        } else if (i == more) {
+            left -= expect_effect(e, b->last.covered_pixels);
+        } else if (is_judged(b, i)) {
+            left -= e->ms;
         }
     }
     return fmax(left, (1.0 - EFFECT_MOST) * b->budget_ms);
+}
+
+/// The part of the budget that the next frame's effects leave. Unknown effects do not make splats
+/// larger.
+static double time_for_detail(const stp_budget* b)
+{
+    return time_beside(b, STP_EFFECT_COUNT);
 }
 
 // Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
@@ -385,42 +401,52 @@ static double leave_effects(stp_budget* b, double margin)
             (size > effect_size[i] || sum > EFFECT_MOST * b->budget_ms)) {
             b->effects[i].left_out = true;
             b->calm_frames = 0;
+            bool soon = b->returned > 0 && b->frames - b->returned < EFFECT_STAYS;
+            b->patience = soon ? b->patience + (b->patience < EFFECT_PATIENCE) : 0;
             size = solve_size(b, margin * time_for_detail(b));
         }
     }
     return size;
 }
 
-/// Adds the times of effects to that of a frame without them: of the last one to that of `first`.
-static double add_effects(const stp_budget* b, double milliseconds, int first)
+/// Adds the times of effects to that of a frame without them: of the last one to that of `first`,
+/// but those of the bits `without`.
+static double add_effects(const stp_budget* b, double milliseconds, int first, uint32_t without)
 {
     for (int i = STP_EFFECT_COUNT; i-- > first;) {
         const stp_budget_effect_state* e = &b->effects[i];
+        if ((without >> i & 1u) != 0) {
+            continue;
+        }
         milliseconds += i == STP_EFFECT_ANTIALIASING ? e->share * milliseconds
                                                      : expect_effect(e, b->last.covered_pixels);
     }
     return milliseconds;
 }
 
-double stp_budget_predict_whole(const stp_budget* budget, double splat_size)
+double stp_budget_predict_whole(const stp_budget* budget, double splat_size, uint32_t without)
 {
-    return add_effects(budget, stp_budget_predict(budget, splat_size), 0);
+    return add_effects(budget, stp_budget_predict(budget, splat_size), 0, without);
 }
 
 /// Takes back the effect that was left out last, once there was time for it during some frames.
-static void return_effect(stp_budget* b)
+/// @param margin  factor on the time for detail
+static void return_effect(stp_budget* b, double margin)
 {
     int next = STP_EFFECT_COUNT - 1;
     while (next >= 0 && !b->effects[next].left_out) {
         next -= 1;
     }
     double detail = stp_budget_predict(b, (double)STP_SPLAT_SIZE_MIN);
-    double wanted = next >= 0 ? add_effects(b, detail, next) : detail;
+    double wanted = next >= 0 ? add_effects(b, detail, next, 0) : detail;
     // no effect returns that would be left out again
     bool fits = wanted <= EFFECT_ROOM * b->budget_ms &&
                 wanted - detail <= EFFECT_ROOM * EFFECT_MOST * b->budget_ms;
-    b->calm_frames = next >= 0 && fits ? b->calm_frames + 1 : 0;
-    if (b->calm_frames >= EFFECT_FRAMES) {
+    fits = fits && next >= 0 &&
+           solve_size(b, EFFECT_ROOM * margin * time_beside(b, next)) <= effect_size[next];
+    b->calm_frames = fits ? b->calm_frames + 1 : 0;
+    if (b->calm_frames >= (uint32_t)EFFECT_FRAMES << 2u * b->patience) {
+        b->returned = b->frames;
         b->effects[next].left_out = false;
         b->effects[next].frames = 0;
         b->calm_frames = 0;
@@ -475,7 +501,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
     size = try_finer(b, cost, size);
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
-    return_effect(b);
+    return_effect(b, margin);
 }
 
 void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)

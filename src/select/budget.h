@@ -36,6 +36,7 @@ typedef struct stp_frame_cost {
     /// Parts of the time: what a frame without the effects before this one would have saved by
     /// leaving it out, too. 0: it was not drawn
     double effect_ms[STP_EFFECT_COUNT];
+    uint32_t unwanted; ///< effects that nobody asked for now, as bits 1 << stp_budget_effect
 } stp_frame_cost;
 
 enum {
@@ -81,6 +82,8 @@ typedef struct stp_budget {
     double trial_limit_ms; ///< what it may rise to
     stp_budget_effect_state effects[STP_EFFECT_COUNT];
     uint32_t calm_frames; ///< in a row that would have had time for the effect that returns next
+    uint64_t returned;    ///< frame after which an effect returned last
+    uint32_t patience;    ///< how often effects left soon after they had returned
 } stp_budget;
 
 /// `budget_ms` above 0.
@@ -104,5 +107,6 @@ void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 /// Predicted time of a frame like the last one at another size, without effects, in milliseconds. 0
 /// before the first frame.
 double stp_budget_predict(const stp_budget* budget, double splat_size);
-/// The same with all effects that are wanted, whether or not they are left out.
-double stp_budget_predict_whole(const stp_budget* budget, double splat_size);
+/// The same with all effects that are wanted, whether or not they are left out, but those of
+/// `without`, as bits 1 << stp_budget_effect.
+double stp_budget_predict_whole(const stp_budget* budget, double splat_size, uint32_t without);

@@ -18,6 +18,7 @@ export XDG_CACHE_HOME=$PWD/cache
 "$stipple" scene boxes -o boxes.glb -q > /dev/null || fail "boxes"
 PATH=$PWD/bin:$PATH scripts/demo boxes.glb > out 2> err || fail "demo of a model: $(cat err)"
 for row in "^boxes.glb .* triangles" "^frame time, median .* ms .* ms" "^truth .*[01]\.[0-9]* .*1$" \
+    "^truth, both filtered .*[01]\.[0-9]* .*1$" \
     "^memory, peak .* MB .* MB" "^far .* ms, SSIM .* ms, SSIM [01]\.[0-9]* .* ms$" "^near .* SSIM " \
     "^beside .* SSIM " "^contact sheet .*build/demo/sheet.png"; do
     grep -q -- "$row" out || fail "the demo does not print $row: $(cat out)"

@@ -43,6 +43,7 @@ boxes=(scene:boxes --path "$source/lab/scenes/flights/boxes.json")
 fly plain "${boxes[@]}" --size 64x48 --frames 5
 fly same "${boxes[@]}" --size 64x48 --frames 6 --reference --reference-every 1 --popping
 fly same_ball ball.stip --path flight.json --size 64x48 --reference --reference-every 1 --popping
+fly same_filtered ball.stip --path flight.json --size 64x48 --reference --reference-every 1 --popping --pixel-filter on
 fly every ball.stip --path flight.json --size 64x48 --reference-every 4 --splat-size 3 --popping
 fly budget ball.stip --path flight.json --size 64x48 --budget-ms 0.1 --threads 1
 fly paper ball.stip --path flight.json --size 64x48 --budget-ms 1e5 --controller paper
@@ -72,8 +73,9 @@ def load(name):
         assert f[key]["max"] == values[-1] and f[key]["p50"] == values[(len(values) - 1) // 2], (name, key, values, f[key])
     assert f["frame_ms"]["p50"] <= f["frame_ms"]["p95"] <= f["frame_ms"]["p99"] <= f["frame_ms"]["max"]
     for q in f["quality"]:
-        assert sorted(q) == ["exact", "frame", "ms_ssim", "psnr", "ratio", "ssim", "ssim_covered", "truth"], q
+        assert sorted(q) == ["exact", "exact_filtered", "frame", "ms_ssim", "psnr", "ratio", "ssim", "ssim_covered", "truth"], q
         assert abs(q["ratio"] * q["exact"] - q["truth"]) < 1e-12 and 0 < q["exact"] <= 1, q
+        assert 0 < q["exact_filtered"] <= 1 and q["exact_filtered"] != q["exact"], q
     return f
 f = load("plain")
 assert (f["backend"], f["width"], f["height"], f["frames"]) == ("cpu", 64, 48, 5)
@@ -86,6 +88,9 @@ for name in "same", "same_ball":
     assert all(q["ssim"] == q["ssim_covered"] == q["ms_ssim"] == q["ratio"] == 1 for q in f["quality"]), f["quality"]
     assert any(q["truth"] < 1 for q in f["quality"]), f["quality"] # one sample is not the truth
     assert f["popping"] == {"p50": 0, "p999": 0, "max": 0}, f["popping"]
+f = load("same_filtered") # the originals are drawn like the frame
+assert all(q["ssim"] == 1 and q["truth"] == q["exact_filtered"] for q in f["quality"]), f["quality"]
+assert f["popping"] == {"p50": 0, "p999": 0, "max": 0}, f["popping"]
 f = load("every") # 2.5 s at 4 frames a second
 assert f["frames"] == 11 and f["per_frame"][-1]["t"] == 3.5 and f["per_frame"][1]["t"] == 1.25
 assert [q["frame"] for q in f["quality"]] == [0, 4, 8]
@@ -120,14 +125,34 @@ view = ["--size", "64x48", "--fov", "40", "--eye", "0,1,40", "--target", "0,0,0"
 run("render", "ball.stip", "-o", "ours.png", "--splat-size", "3", "--supersample", "2", *view)
 run("render", "ball.stip", "-o", "truth.png", "--reference", "--supersample", "4", *view)
 run("render", "ball.stip", "-o", "exact.png", "--reference", "--supersample", "1", *view)
+run("render", "ball.stip", "-o", "filtered.png", "--reference", "--pixel-filter", "on", *view)
 found, flown = run("compare", "ours.png", "truth.png", "--exact", "exact.png"), json.load(open("truth.json"))["quality"][0]
 for key in "truth", "exact", "ratio":
     assert abs(found[key] - flown[key]) < 1e-9, (key, found, flown)
+found = run("compare", "ours.png", "truth.png", "--exact", "filtered.png")
+assert abs(found["exact"] - flown["exact_filtered"]) < 1e-9, (found, flown)
 END
+# --pixel-filter: auto filters frames of flights and of budgets, not other pictures and no originals
+one=(ball.stip --size 64x48 --splat-size 3 --eye 0,1,40 --target 0,0,0 --fov 40)
+for name in auto on off; do
+    "$stipple" render "${one[@]}" -o "render-$name.png" --pixel-filter $name > /dev/null || fail "render --pixel-filter $name"
+    "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 --frames 1 -o "fly-$name/" --pixel-filter $name \
+        > /dev/null || fail "fly --pixel-filter $name"
+    "$stipple" fly ball.stip --path flight.json --size 64x48 --reference --frames 1 -o "reference-$name/" \
+        --pixel-filter $name > /dev/null || fail "fly --reference --pixel-filter $name"
+done
+"$stipple" render "${one[@]}" -o render.png > /dev/null || fail "render"
+for pair in "render.png render-off.png" "render-auto.png render-off.png" "fly-auto/frame-000000.png fly-on/frame-000000.png" \
+    "fly-off/frame-000000.png render-off.png" "fly-on/frame-000000.png render-on.png" "reference-auto/frame-000000.png reference-off/frame-000000.png"; do
+    cmp -s ${pair% *} ${pair#* } || fail "pictures differ: $pair"
+done
+for pair in "render-on.png render-off.png" "reference-on/frame-000000.png reference-off/frame-000000.png"; do
+    cmp -s ${pair% *} ${pair#* } && fail "pictures are equal: $pair"
+done
 for word in "frame ms" popping SSIM ratio; do
     grep -q "$word" text || fail "the table lacks $word: $(cat text)"
 done
-"$stipple" render ball.stip -o one.png --size 64x48 --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
+"$stipple" render ball.stip -o one.png --size 64x48 --pixel-filter on --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
 cmp -s one.png pictures/frame-000004.png || fail "a frame differs from render's picture"
 mkdir -p again
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o again --frames 11 -q > text || fail "again"

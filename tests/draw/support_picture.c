@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "support_picture.h"
 
+#include "base/math/color.h"
+#include "base/splats/coverage.h"
+
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads)
 {
@@ -46,6 +50,36 @@ void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8
     m.m[1][3] = move.y;
     m.m[2][3] = move.z;
     s->edges[s->edge_count++] = (stp_store_edge){at, m};
+}
+
+void made_picture_add_material(made_picture* p, uint32_t index, const float color[4])
+{
+    made_scene* s = &p->scene;
+    s->materials[index] = s->materials[0];
+    memcpy(s->materials[index].base_color, color, 4 * sizeof(float));
+    s->materials[index].alpha = color[3] < 1.0f ? STP_STORE_BLEND : STP_STORE_OPAQUE;
+    s->shadings[index] = s->shadings[0];
+    s->shadings[index].flags |= color[3] < 1.0f ? STP_SHADING_TRANSPARENT : 0u;
+    s->material_count = s->shading_count = index + 1;
+}
+
+void made_picture_add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move,
+                            bool splats)
+{
+    made_scene* s = &p->scene;
+    const float* base = s->materials[material].base_color;
+    uint8_t color[3];
+    for (int k = 0; k < 3; ++k) {
+        color[k] = stp_linear_to_srgb8(base[k]);
+    }
+    made_picture_add(p, angle, move, splats ? color : NULL);
+    s->meshes[s->mesh_count - 1].material = material;
+    if (splats) {
+        const stp_splats* set = &s->sets[s->set_count - 1];
+        float chance = 1.0f - sqrtf(1.0f - base[3]); // as src/lod/blue/pyramid_chance.c writes it
+        memset(set->coverages, stp_coverage_of_share((double)chance), set->count);
+        memset(set->materials, (int)material, set->count);
+    }
 }
 
 stp_result made_picture_open(made_picture* p)

@@ -29,6 +29,12 @@ bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads);
 /// A square from -1 to 1, rotated about x and translated; with splats of one colour (NULL:
 /// triangles only).
 void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8_t* color);
+/// Material and shading `index`, which follows those before: of that colour, and glass if its alpha
+/// is below 1.
+void made_picture_add_material(made_picture* p, uint32_t index, const float color[4]);
+/// A square with that material; with splats of the same opacity if `splats`.
+void made_picture_add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move,
+                            bool splats);
 /// Writes and opens the scene, and makes the renderer.
 stp_result made_picture_open(made_picture* p);
 /// Selects and draws.

@@ -49,11 +49,32 @@ void test_frame_effects_keep_what_is_asked_for(test_state* test)
         stp_draw_style less = stp_draw_style_without(&nearest, bits);
         CHECK_EQUAL(STP_TRANSPARENCY_PATTERN, stp_draw_style_without(&pattern, bits).transparency);
         CHECK_EQUAL(STP_TRANSPARENCY_NEAREST, less.transparency);
-        CHECK_EQUAL(bits & 3, less.left_out);
+        CHECK_EQUAL(0, less.left_out); // it has no other effect
         stp_frame_cost cost = stp_draw_frame_cost(&less, &stats, 1.0f, 10.0);
         CHECK(cost.effect_ms[STP_EFFECT_NEAREST] == 0.0);
     }
     stp_draw_style one = stp_draw_style_without(&all, 1u << STP_EFFECT_LAYERS);
     stp_frame_cost cost = stp_draw_frame_cost(&one, &stats, 1.0f, 10.0);
     CHECK(cost.effect_ms[STP_EFFECT_NEAREST] == 4.0 && cost.effect_ms[STP_EFFECT_LAYERS] == 0.0);
+}
+
+/// Effects that nobody asks for are told from those that are left out for lack of time.
+void test_frame_effects_tell_what_is_unwanted(test_state* test)
+{
+    enum { GLASS = 1u << STP_EFFECT_LAYERS | 1u << STP_EFFECT_NEAREST };
+    const stp_draw_stats stats = {.layers = 1};
+    const stp_draw_style whole = {.ambient_occlusion = 0.05f, .supersample = 2},
+                         plain = {.supersample = 1},
+                         pattern = {.transparency = STP_TRANSPARENCY_PATTERN},
+                         dome = {.ambient_occlusion = 0.05f, .supersample = 2, .eye_dome = 1.0f};
+    for (uint32_t bits = 0; bits < 16; ++bits) {
+        stp_draw_style less = stp_draw_style_without(&whole, bits);
+        CHECK_EQUAL(0, stp_draw_frame_cost(&less, &stats, 1.0f, 9.0).unwanted);
+        less = stp_draw_style_without(&plain, bits);
+        CHECK_EQUAL(3, stp_draw_frame_cost(&less, &stats, 1.0f, 9.0).unwanted);
+        less = stp_draw_style_without(&pattern, bits);
+        CHECK_EQUAL(3 | GLASS, stp_draw_frame_cost(&less, &stats, 1.0f, 9.0).unwanted);
+        less = stp_draw_style_without(&dome, bits); // occlusion is free beside eye-dome lighting
+        CHECK_EQUAL(1, stp_draw_frame_cost(&less, &stats, 1.0f, 9.0).unwanted);
+    }
 }

@@ -146,6 +146,33 @@ void test_gl_reports_lack_of_graphics_memory(test_state* test)
     end(&f);
 }
 
+/// Without memory for the pixel filter, pictures are drawn without it, with one warning.
+void test_gl_without_memory_for_the_filter_draws_without_it(test_state* test)
+{
+    static uint8_t plain[PICTURE_SIDE * PICTURE_SIDE * 4];
+    faulty f;
+    if (!begin(test, &f)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, make(&f));
+    stp_gl_renderer* r = (stp_gl_renderer*)f.made.renderer;
+    PFNGLGETERRORPROC get_error = r->gl.GetError;
+    CHECK_EQUAL(STP_OK, draw(&f));
+    memcpy(plain, f.made.pixels, sizeof(plain));
+    f.made.picture.style.pixel_filter = true;
+    r->gl.GetError = no_memory;
+    for (int i = 0; i < 2; ++i) {
+        CHECK_EQUAL(STP_OK, draw(&f));
+        CHECK_EQUAL(0, made_count_different(plain, f.made.pixels, 0));
+        CHECK(f.log.errors == 0 && f.log.warnings == 1);
+    }
+    CHECK(strstr(f.log.warning, "64x64") != NULL);
+    r->gl.GetError = get_error;
+    CHECK_EQUAL(STP_OK, draw(&f));
+    CHECK(made_count_different(plain, f.made.pixels, 0) > 0);
+    end(&f);
+}
+
 void test_gl_fails_where_a_debug_context_complains(test_state* test)
 {
     faulty f;

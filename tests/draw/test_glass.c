@@ -12,51 +12,20 @@
 
 enum { SIDE = PICTURE_SIDE, PIXELS = SIDE * SIDE, BYTES = PIXELS * 4, CHECKS = 6 };
 
-/// A material of a colour and an alpha, with a shading for splats at the same place.
-static void add_material(made_picture* p, uint32_t index, const float color[4])
-{
-    made_scene* s = &p->scene;
-    s->materials[index] = s->materials[0];
-    memcpy(s->materials[index].base_color, color, 4 * sizeof(float));
-    s->materials[index].alpha = color[3] < 1.0f ? STP_STORE_BLEND : STP_STORE_OPAQUE;
-    s->shadings[index] = s->shadings[0];
-    s->shadings[index].flags |= color[3] < 1.0f ? STP_SHADING_TRANSPARENT : 0u;
-    s->material_count = s->shading_count = index + 1;
-}
-
-/// A square with that material; with splats of the same opacity if `splats`.
-static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3d move, bool splats)
-{
-    made_scene* s = &p->scene;
-    const float* base = s->materials[material].base_color;
-    uint8_t color[3];
-    for (int k = 0; k < 3; ++k) {
-        color[k] = stp_linear_to_srgb8(base[k]);
-    }
-    made_picture_add(p, angle, move, splats ? color : NULL);
-    s->meshes[s->mesh_count - 1].material = material;
-    if (splats) {
-        const stp_splats* set = &s->sets[s->set_count - 1];
-        float chance = 1.0f - sqrtf(1.0f - base[3]); // as src/lod/blue/pyramid_chance.c writes it
-        memset(set->coverages, stp_coverage_of_share((double)chance), set->count);
-        memset(set->materials, (int)material, set->count);
-    }
-}
-
 /// A chequered wall behind two sheets of glass, the front one rotated.
 static void add_scene(made_picture* p, bool splats)
 {
     static const float dark[4] = {0.05f, 0.06f, 0.1f, 1.0f}, green[4] = {0.1f, 0.7f, 0.3f, 0.35f};
     static const float red[4] = {0.8f, 0.2f, 0.1f, 0.6f};
-    add_material(p, 1, dark);
-    add_material(p, 2, green);
-    add_material(p, 3, red);
+    made_picture_add_material(p, 1, dark);
+    made_picture_add_material(p, 2, green);
+    made_picture_add_material(p, 3, red);
     for (int i = 0; i < CHECKS; ++i) { // the wall itself is white
         double x = -1.25 + 1.25 * (i % 3), y = i < 3 ? -1.25 : 1.25;
-        add_sheet(p, (uint32_t)i % 2, 0.0, (stp_vec3d){x, y, -2.0 - 0.01 * i}, false);
+        made_picture_add_sheet(p, (uint32_t)i % 2, 0.0, (stp_vec3d){x, y, -2.0 - 0.01 * i}, false);
     }
-    add_sheet(p, 2, 0.0, (stp_vec3d){-0.3, 0.1, 0.0}, splats);
-    add_sheet(p, 3, 0.4, (stp_vec3d){0.3, -0.2, 1.0}, splats);
+    made_picture_add_sheet(p, 2, 0.0, (stp_vec3d){-0.3, 0.1, 0.0}, splats);
+    made_picture_add_sheet(p, 3, 0.4, (stp_vec3d){0.3, -0.2, 1.0}, splats);
     p->quality.splat_size = 6;
 }
 
@@ -159,12 +128,12 @@ void test_glass_layers_are_composited_front_to_back(test_state* test)
     static const float red[4] = {0.9f, 0.1f, 0.1f, 0.5f}, blue[4] = {0.1f, 0.1f, 0.9f, 0.25f};
     made_picture p;
     CHECK(made_picture_begin(&p, NULL, 2));
-    add_material(&p, 1, red);
-    add_material(&p, 2, blue);
-    add_sheet(&p, 0, 0.0, (stp_vec3d){0, 0, -1.0}, false); // white
-    add_sheet(&p, 1, 0.5, (stp_vec3d){0, 0, 0}, false);    // they intersect
-    add_sheet(&p, 2, -0.5, (stp_vec3d){0, 0, 0}, false);
-    add_sheet(&p, 0, 0.0, (stp_vec3d){0, -9.0, 0.5}, false); // out of sight
+    made_picture_add_material(&p, 1, red);
+    made_picture_add_material(&p, 2, blue);
+    made_picture_add_sheet(&p, 0, 0.0, (stp_vec3d){0, 0, -1.0}, false); // white
+    made_picture_add_sheet(&p, 1, 0.5, (stp_vec3d){0, 0, 0}, false);    // they intersect
+    made_picture_add_sheet(&p, 2, -0.5, (stp_vec3d){0, 0, 0}, false);
+    made_picture_add_sheet(&p, 0, 0.0, (stp_vec3d){0, -9.0, 0.5}, false); // out of sight
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
     CHECK_EQUAL(STP_OK, made_picture_draw(&p));
     for (int half = 0; half < 2; ++half) {
@@ -185,9 +154,9 @@ void test_glass_before_nothing_is_transparent_in_the_picture(test_state* test)
     static const float red[4] = {0.9f, 0.1f, 0.1f, 0.5f};
     made_picture p;
     CHECK(made_picture_begin(&p, NULL, 2));
-    add_material(&p, 1, red);
-    add_sheet(&p, 1, 0.0, (stp_vec3d){0, 0, 0}, false);
-    add_sheet(&p, 1, 0.0, (stp_vec3d){0, 0, -0.5}, false);
+    made_picture_add_material(&p, 1, red);
+    made_picture_add_sheet(&p, 1, 0.0, (stp_vec3d){0, 0, 0}, false);
+    made_picture_add_sheet(&p, 1, 0.0, (stp_vec3d){0, 0, -0.5}, false);
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
     for (int accumulated = 0; accumulated < 2; ++accumulated) {
         for (int i = 0; i < 4; ++i) {
@@ -210,23 +179,23 @@ void test_glass_before_nothing_is_transparent_in_the_picture(test_state* test)
 static void add_panes(made_picture* p)
 {
     static const float dark[4] = {0.05f, 0.06f, 0.1f, 1.0f}, grey[4] = {0.7f, 0.8f, 0.8f, 0.3f};
-    add_material(p, 1, dark);
-    add_material(p, 2, grey);
+    made_picture_add_material(p, 1, dark);
+    made_picture_add_material(p, 2, grey);
     for (int i = 0; i < CHECKS; ++i) {
         double x = -1.25 + 1.25 * (i % 3), y = i < 3 ? -1.25 : 1.25;
-        add_sheet(p, (uint32_t)i % 2, 0.0, (stp_vec3d){x, y, -2.0 - 0.01 * i}, false);
+        made_picture_add_sheet(p, (uint32_t)i % 2, 0.0, (stp_vec3d){x, y, -2.0 - 0.01 * i}, false);
     }
-    add_sheet(p, 2, 0.0, (stp_vec3d){-0.2, 0.0, 0.0}, false);
-    add_sheet(p, 2, 0.0, (stp_vec3d){0.2, 0.0, 1.0}, false);
+    made_picture_add_sheet(p, 2, 0.0, (stp_vec3d){-0.2, 0.0, 0.0}, false);
+    made_picture_add_sheet(p, 2, 0.0, (stp_vec3d){0.2, 0.0, 1.0}, false);
 }
 
 /// The same wall behind one sheet of splats.
 static void add_pane_of_splats(made_picture* p)
 {
     static const float grey[4] = {0.7f, 0.8f, 0.8f, 0.3f};
-    add_material(p, 1, grey);
-    add_sheet(p, 0, 0.0, (stp_vec3d){0.3, 0.2, -2.0}, false);
-    add_sheet(p, 1, 0.2, (stp_vec3d){0.2, 0.0, 1.0}, true);
+    made_picture_add_material(p, 1, grey);
+    made_picture_add_sheet(p, 0, 0.0, (stp_vec3d){0.3, 0.2, -2.0}, false);
+    made_picture_add_sheet(p, 1, 0.2, (stp_vec3d){0.2, 0.0, 1.0}, true);
     p->quality.splat_size = 6;
 }
 
@@ -296,8 +265,8 @@ void test_glass_is_drawn_alike_after_any_picture(test_state* test)
 static void add_large_sheet(made_picture* p)
 {
     static const float red[4] = {0.9f, 0.1f, 0.1f, 0.4f};
-    add_material(p, 1, red);
-    add_sheet(p, 1, 0.0, (stp_vec3d){0, 0, 3.5}, false);
+    made_picture_add_material(p, 1, red);
+    made_picture_add_sheet(p, 1, 0.0, (stp_vec3d){0, 0, 3.5}, false);
 }
 
 void test_glass_patterns_stay_and_are_even(test_state* test)

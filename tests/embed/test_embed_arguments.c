@@ -116,6 +116,11 @@ void test_embed_views_are_checked(test_state* test)
     view.fov_degrees = STP_FOV_DEGREES_MAX;
     CHECK_EQUAL(STP_OK, stp_painter_draw(o.painter, &view, NULL, &o.image, NULL));
     CHECK_EQUAL(STP_OK, stp_model_pick(o.model, &view, 48.0, 48.0, &hit));
+    const double nowhere = (double)NAN; // the message names the function that was called
+    CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_model_pick(o.model, &view, nowhere, 48.0, &hit));
+    CHECK(strncmp(o.log.text, "stp_model_pick: ", 16) == 0);
+    CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_model_pick_with(o.model, &view, NULL, nowhere, 48.0, &hit));
+    CHECK(strncmp(o.log.text, "stp_model_pick_with: ", 21) == 0);
     close_town(&o);
 }
 

@@ -724,6 +724,35 @@ void test_budget_does_not_alternate_layers_and_pattern(test_state* test)
     }
 }
 
+/// Frames whose times scatter by a fifth: neither layers nor occlusion come and go.
+void test_budget_does_not_alternate_in_noise(test_state* test)
+{
+    int most = 0;
+    for (int i = 0; i < 240; ++i) {
+        lavish_machine m = {.fixed_ms = 6.0 + 0.25 * (double)(i % 40),
+                            .detail_ms = 3.0,
+                            .layer_ms = i % 80 < 40 ? 3.0 : 0.0,
+                            .nearest_ms = i < 160 ? 3.5 : 0.0,
+                            .occlusion_ms = i < 160 ? 0.0 : 4.0,
+                            .noise = i % 3 == 0   ? 0.15
+                                     : i % 3 == 1 ? 0.2
+                                                  : 0.25,
+                            .plain = true};
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
+        int changes = 0;
+        uint32_t before = 0;
+        for (uint64_t frame = 0; frame < 1000; ++frame) {
+            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
+            uint32_t left_out = stp_budget_left_out(&budget);
+            changes += frame > 60 && left_out != before ? 1 : 0;
+            before = left_out;
+        }
+        most = changes > most ? changes : most;
+    }
+    CHECK(most <= 4);
+}
+
 void test_budget_predicts_frames_with_all_effects(test_state* test)
 {
     const lavish_machine m = {
@@ -731,13 +760,31 @@ void test_budget_predicts_frames_with_all_effects(test_state* test)
     stp_frame_cost cost;
     stp_budget budget;
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 12.0);
-    CHECK(stp_budget_predict_whole(&budget, 1.0) == 0.0);
+    CHECK(stp_budget_predict_whole(&budget, 1.0, 0) == 0.0);
     CHECK(settle(&budget, &m, 0, &cost) != 0);
-    double whole = stp_budget_predict_whole(&budget, (double)cost.splat_size);
+    double whole = stp_budget_predict_whole(&budget, (double)cost.splat_size, 0);
     double size = (double)cost.splat_size;
     double sample = m.fixed_ms + m.detail_ms / (size * size) + m.layer_ms + m.nearest_ms;
     CHECK(fabs(whole / (4.0 * sample + m.occlusion_ms) - 1.0) < 0.1);
     CHECK(stp_budget_predict(&budget, size) < 0.3 * whole);
+    double without = stp_budget_predict_whole(&budget, size, 1u << STP_EFFECT_OCCLUSION);
+    CHECK(fabs(whole - without - m.occlusion_ms) < 0.1 * m.occlusion_ms);
+}
+
+/// An effect that was left out and is then switched off counts no more, and is judged anew later.
+void test_budget_forgets_effects_that_are_switched_off(test_state* test)
+{
+    lavish_machine m = {.fixed_ms = 2.0, .detail_ms = 20.0, .occlusion_ms = 60.0, .plain = true};
+    stp_frame_cost cost;
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
+    CHECK_EQUAL(1, settle(&budget, &m, 0, &cost));
+    CHECK(stp_budget_predict_whole(&budget, 1.0, 0) > 60.0);
+    cost.unwanted = 1u << STP_EFFECT_OCCLUSION;
+    stp_budget_update(&budget, &cost);
+    CHECK(stp_budget_predict_whole(&budget, 1.0, 0) < 30.0);
+    CHECK_EQUAL(0, stp_budget_left_out(&budget));
+    CHECK(stp_budget_has_decided(&budget));
 }
 
 void test_budget_does_not_grow_splats_for_unknown_effects(test_state* test)

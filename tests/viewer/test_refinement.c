@@ -55,17 +55,60 @@ void test_refinement_takes_effects_back_in_the_first_frame_at_rest(test_state* t
     CHECK(refinement_size(&r, &asked, &budget) == 1.0f); // 141 ms are short enough
 }
 
-/// Effects count in the forecast of a frame at rest: with them, one step to the finest splats would
-/// take too long.
-void test_refinement_knows_what_effects_take_at_rest(test_state* test)
+/// Effects take as long in a step as in the finest picture: a step must come much earlier.
+void test_refinement_steps_only_where_a_step_saves_time(test_state* test)
 {
     stp_budget budget;
     refinement r = move(&budget, 150.0, 400.0);
     CHECK(r.left_out && r.size > 2.0f);
-    CHECK(stp_budget_predict(&budget, 1.0) < 240.0);
+    CHECK(stp_budget_predict_whole(&budget, 1.0, 0) > 500.0);
+    CHECK_EQUAL(STAGE_RESTS, r.stage);
+    CHECK(refinement_size(&r, &asked, &budget) == 1.0f); // 4 times fewer splats save a fifth
+    r = move(&budget, 600.0, 100.0);
     CHECK(refinement_size(&r, &asked, &budget) == 0.5f * r.size);
-    r = move(&budget, 150.0, 8000.0); // no finer picture is started
+    stp_draw_style style = refinement_style(&r, &asked, &budget, true);
+    CHECK(style.pixel_filter && style.ambient_occlusion > 0.0f); // a finer picture follows
+    r.size = 0.5f * r.size;
+    refinement_advance(&r, &asked, &budget, &(paint_figures){.samples = 1});
+    CHECK_EQUAL(STAGE_RESTS, r.stage);
+}
+
+/// Effects that take seconds do not keep splats coarse, nor the picture filtered.
+void test_refinement_goes_without_effects_that_take_seconds(test_state* test)
+{
+    stp_budget budget;
+    refinement r = move(&budget, 150.0, 8000.0);
+    CHECK_EQUAL(STAGE_RESTS, r.stage);
+    CHECK(r.size > 1.5f && refinement_size(&r, &asked, &budget) == 1.0f);
+    stp_draw_style style = refinement_style(&r, &asked, &budget, true);
+    CHECK(style.ambient_occlusion == 0.0f && !style.pixel_filter);
+    r.size = 1.0f;
+    refinement_advance(&r, &asked, &budget, &(paint_figures){.samples = 1});
     CHECK_EQUAL(STAGE_DONE, r.stage);
+}
+
+/// Pictures are filtered until the last stage shows several samples.
+void test_refinement_shows_no_raw_sample_before_the_last_picture(test_state* test)
+{
+    paint_request request = asked;
+    const stp_budget budget = {0}; // unused
+    refinement r = {.stage = STAGE_RESTS, .size = 1.0f};
+    request.budget_ms = 0.0;
+    CHECK(!refinement_style(&r, &request, &budget, false).pixel_filter); // the last picture
+    request.samples = 3;
+    CHECK(refinement_style(&r, &request, &budget, false).pixel_filter);
+    CHECK(refinement_shows(&r, &request, 1));
+    refinement_advance(&r, &request, &budget, &(paint_figures){.samples = 1});
+    CHECK_EQUAL(STAGE_ACCUMULATES, r.stage);
+    for (uint32_t samples = 1; samples <= 9; ++samples) {
+        CHECK(!refinement_style(&r, &request, &budget, false).pixel_filter);
+        CHECK_EQUAL(samples >= 4, refinement_shows(&r, &request, samples));
+        refinement_advance(&r, &request, &budget, &(paint_figures){.samples = samples});
+    }
+    CHECK_EQUAL(STAGE_DONE, r.stage);
+    r.stage = STAGE_ACCUMULATES;
+    request.quality.reference = true; // no picture of exact triangles is filtered
+    CHECK(refinement_shows(&r, &request, 1));
 }
 
 /// Without a limit of its time, a picture in motion has the nearest layer of transparent surfaces.

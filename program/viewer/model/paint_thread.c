@@ -192,8 +192,12 @@ static void paint(painter* p)
         next->stage = atomic_load(&p->stop) ? STAGE_RESTS : STAGE_DONE;
         return;
     }
+    bool shows = refinement_shows(next, &request, figures.samples);
     refinement_advance(next, &request, budget_of(p), &figures);
     p->loads = figures.missing > 0;
+    if (!shows) {
+        return;
+    }
     picture->view = request.view;
     picture->gl = p->uses_gl;
     picture->texture = texture;

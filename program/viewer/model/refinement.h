@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // How the pictures of a request become finer: in motion, splats and effects follow the budget of the
-// frame's time. At rest, all effects are there, splats shrink, in steps while that takes long, and
-// samples are accumulated.
+// frame's time. At rest, all effects are there unless they take seconds, splats shrink, in steps
+// where these save much time, and samples are accumulated.
 #pragma once
 
 #include "program/viewer/model/paint_thread.h"
@@ -26,9 +26,15 @@ typedef struct refinement {
 float refinement_size(const refinement* r, const paint_request* request, const stp_budget* budget);
 
 /// Style of the next frame. Without a limit of its time, a moving picture has one layer of
-/// transparent surfaces. @param transparent  whether the scene has such surfaces
+/// transparent surfaces. At rest, effects that would take seconds are left out, the dearest ones
+/// first. Pictures are filtered until the last stage. @param transparent  whether the scene has
+/// transparent surfaces
 stp_draw_style refinement_style(const refinement* r, const paint_request* request,
                                 const stp_budget* budget, bool transparent);
+
+/// Whether a drawn frame is shown, before refinement_advance: the first accumulated samples are
+/// noisier than the filtered picture before them. @param samples  accumulated so far
+bool refinement_shows(const refinement* r, const paint_request* request, uint32_t samples);
 
 /// Goes to the stage after a frame. Samples are accumulated however long a frame takes: a machine
 /// that is busy for a moment, or a driver that compiles, must not decide what is seen at rest, and

@@ -111,6 +111,7 @@ typedef struct stp_cpu_worker {
     uint64_t layer_found;       ///< fragments of the current task between the layer's bounds
     uint64_t layer_pixels;      ///< shaded pixels of the current layer
     bool drew, failed;
+    bool drew_opaque; ///< while layers are drawn: whether it drew anything before them, of any eye
 } stp_cpu_worker;
 
 /// One eye of a view.
@@ -150,8 +151,11 @@ typedef struct stp_cpu_effects {
 typedef struct stp_cpu_pixel_filter {
     uint8_t* memory;
     size_t capacity;
-    uint8_t* kinds; ///< one a pixel of the current eye: 1 where it shows a splat; NULL: unused
+    /// One a pixel of the current eye: 1 where it shows a splat. NULL between frames, and in pictures
+    /// that are not filtered
+    uint8_t* kinds;
     uint8_t *borders, *scratch;
+    bool warned; ///< a warning about missing memory was logged
 } stp_cpu_pixel_filter;
 
 /// Memory for the filter (passes.h).
@@ -184,9 +188,11 @@ typedef struct stp_cpu_layers {
     size_t capacity;
     uint64_t *nearer, *farther; ///< see stp_raster_layer
     float* splats_below;
-    bool* marks;       ///< per worker and STP_LAYER_MARKED pixels: fragments of the current layer
-    size_t mark_count; ///< of each worker
-    bool nearest_only; ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
+    /// Per worker and STP_LAYER_MARKED pixels: fragments of the current layer. Only of workers that
+    /// drew
+    bool* marks;
+    size_t mark_count;           ///< of each worker
+    bool nearest_only;           ///< the nearest layer stands for all (STP_TRANSPARENCY_NEAREST)
     atomic_uint* optical_depths; ///< per pixel: of all its triangles (transparency.h)
     uint32_t depth_of_opacity[256];
     float* light; ///< 4 per pixel: linear colour of the layers so far, and their transmittance

@@ -213,6 +213,7 @@ static stp_result draw_part(stp_cpu_renderer* r, const stp_view* view, const stp
     stats->triangles = r->drawn_triangles;
     r->image = NULL;
     r->style = NULL;
+    r->pixel_filter.kinds = NULL; // a frame that failed or was stopped may have left it
     return result;
 }
 

@@ -124,10 +124,13 @@ static void clear_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Forgets where the last layer has fragments.
-static void clear_marks(stp_cpu_renderer* r)
+/// Before a worker's first task of a layer: forgets where it drew fragments of the one before.
+static void clear_marks(const stp_cpu_renderer* r, uint32_t worker)
 {
-    memset(r->layers.marks, 0, r->team.threads * r->layers.mark_count * sizeof(bool));
+    const stp_cpu_layers* l = &r->layers;
+    size_t used = (size_t)r->width * r->height / STP_LAYER_MARKED + 1;
+    assert(used <= l->mark_count && worker < r->team.threads);
+    memset(l->marks + worker * l->mark_count, 0, used * sizeof(bool));
 }
 
 bool stp_cpu_has_layer(const stp_cpu_renderer* r, const stp_cpu_shade_tile* tile)
@@ -140,7 +143,7 @@ bool stp_cpu_has_layer(const stp_cpu_renderer* r, const stp_cpu_shade_tile* tile
         size_t first = at / STP_LAYER_MARKED, last = (at + tile->width - 1) / STP_LAYER_MARKED;
         for (uint32_t k = 0; k < r->team.threads; ++k) {
             const bool* marks = l->marks + k * l->mark_count;
-            for (size_t i = first; i <= last; ++i) {
+            for (size_t i = first; i <= last && r->workers[k].drew; ++i) {
                 any = any || marks[i];
             }
         }
@@ -188,6 +191,9 @@ static void draw_tasks(size_t begin, size_t end, uint32_t index, void* user)
             item += 1;
         }
         if (r->layers.alive[task] != 0) {
+            if (!worker->drew) {
+                clear_marks(r, index);
+            }
             worker->drew = true;
             worker->layer_found = 0;
             stp_cpu_draw_task(r, item, task, false, &target, worker);
@@ -272,6 +278,24 @@ void stp_cpu_take_layer(stp_cpu_renderer* r, stp_cpu_worker* worker, const stp_c
     }
 }
 
+/// Begins the layers of an eye, whose opaque pixels were merged; those of other eyes may not be.
+static void keep_opaque(stp_cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew_opaque = r->workers[i].drew;
+        r->workers[i].drew = false;
+        r->workers[i].layer_pixels = 0;
+    }
+}
+
+/// After the layers of an eye.
+static void return_to_opaque(stp_cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew = r->workers[i].drew_opaque;
+    }
+}
+
 /// Pixels of a drawn layer.
 static uint64_t count_pixels(stp_cpu_renderer* r)
 {
@@ -331,11 +355,10 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
     stp_result result = list_tasks(r, &any);
     l->stage = CPU_LAYERS_PEEL;
     r->occluding = NULL;
-    count_pixels(r);
+    keep_opaque(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, clear_rows, r);
     uint32_t most = l->nearest_only ? 1 : STP_LAYERS_MAX;
     for (l->count = 0; any && l->count < most && result == STP_OK; ++l->count) {
-        clear_marks(r);
         size_t grain = r->task_count / ((size_t)r->team.threads * 64);
         stp_team_run(&r->team, r->task_count, grain > 0 ? grain : 1, draw_tasks, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
@@ -347,6 +370,7 @@ stp_result stp_cpu_draw_layers(stp_cpu_renderer* r)
         any = count_pixels(r) > 0;
         result = result == STP_OK && stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     }
+    return_to_opaque(r);
     l->count -= l->count > 0 && !any; // the last pass found none
     if (l->count > 0 && result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, compose_rows, r);

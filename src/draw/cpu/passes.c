@@ -141,12 +141,11 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
     bool blends = stp_cpu_has_filter(r->style) && r->splat_size > 0.0f;
     bool disks = r->style->splat_shape == STP_SPLAT_DISK; // squares have no planes
     bool planes = disks && r->style->plane_depth && !blends && r->splat_size > 0.0f;
-    bool filters = stp_cpu_filters_pixels(r);
     stp_result result = blends || planes ? stp_cpu_find_visible(r) : STP_OK;
-    result = result == STP_OK && filters ? stp_cpu_begin_pixel_filter(r) : result;
     if (result != STP_OK) {
         return result;
     }
+    bool filters = stp_cpu_filters_pixels(r) && stp_cpu_begin_pixel_filter(r);
     bool layered = r->layers.stage != CPU_LAYERS_NONE;
     stp_cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);

@@ -61,7 +61,18 @@ static size_t scratch_bytes(const stp_cpu_renderer* r)
     return (2 * LINES + 1) * line_bytes(r);
 }
 
-stp_result stp_cpu_begin_pixel_filter(stp_cpu_renderer* r)
+/// Warns that pictures are not filtered.
+static void warn(stp_cpu_renderer* r)
+{
+    if (!r->pixel_filter.warned) {
+        r->pixel_filter.warned = true;
+        stp_warn(r->base.context,
+                 "the memory limit leaves no room to filter a picture of %ux%u: it is not filtered",
+                 r->width, r->height);
+    }
+}
+
+bool stp_cpu_begin_pixel_filter(stp_cpu_renderer* r)
 {
     stp_cpu_pixel_filter* f = &r->pixel_filter;
     size_t kinds = align((size_t)r->width * r->height), row = 4 * (size_t)r->width;
@@ -73,14 +84,15 @@ stp_result stp_cpu_begin_pixel_filter(stp_cpu_renderer* r)
         stp_free(r->base.context, f->memory);
         f->memory = STP_NEW_ARRAY(r->base.context, uint8_t, needed);
         if (f->memory == NULL) {
-            return stp_fail_memory(r->base.context);
+            warn(r);
+            return false;
         }
         f->capacity = needed;
     }
     f->kinds = f->memory;
     f->borders = f->kinds + kinds;
     f->scratch = f->borders + borders;
-    return STP_OK;
+    return true;
 }
 
 static uint8_t* border_row(const pixel_filter* f, uint32_t band, bool last)

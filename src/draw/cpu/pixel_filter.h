@@ -4,7 +4,8 @@
 // mean of itself and its eight neighbours, with weights (k, 1 - 2k, k) across and down, in light
 // and premultiplied by coverage. What aliases spreads over the pixels that see the same parts.
 // Splats stand for more surface than a pixel's centre hits, so pixels that show one have a larger k
-// than those of triangles and of the background. Equal neighbours stay exactly as they are.
+// than those of triangles and of the background. Open pixels, and
+// covered ones, stay exactly as they are among equal neighbours; others to within a level.
 #pragma once
 
 #include "draw/cpu/cpu.h"
@@ -34,8 +35,8 @@ static inline bool stp_cpu_filters_pixels(const stp_cpu_renderer* r)
 }
 
 /// Allocates memory for the current picture. Shading then records what each pixel shows.
-/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_cpu_begin_pixel_filter(stp_cpu_renderer* r);
+/// @return whether the picture is filtered; false if there is no memory for it: warns once
+bool stp_cpu_begin_pixel_filter(stp_cpu_renderer* r);
 /// Filters the current eye's finished picture.
 void stp_cpu_filter_pixels(stp_cpu_renderer* r);
 void stp_cpu_destroy_pixel_filter(stp_cpu_renderer* r);

@@ -53,12 +53,13 @@ typedef struct stp_gl_pixel_filter_pass {
     GLuint kinds;                       ///< R8UI: of an eye's pixels, 1 where they show a splat
     GLuint copy;                        ///< the picture before it is filtered
     uint32_t width, height, full_width; ///< sizes of the textures
+    bool warned; ///< a warning about a missing program or missing memory was logged
 } stp_gl_pixel_filter_pass;
 
 void stp_gl_pixel_filter_pass_destroy(struct stp_gl_renderer* r);
-/// Call before shading, which then records what pixels show. @return STP_OK,
-/// STP_ERROR_OUT_OF_MEMORY, or as stp_gl_program_create; logged
-STP_MUST_USE stp_result stp_gl_pixel_filter_pass_begin(struct stp_gl_renderer* r);
+/// Call before shading, which then records what pixels show. @return whether the picture can be
+/// filtered; false without the program or the memory for it: warns once
+bool stp_gl_pixel_filter_pass_begin(struct stp_gl_renderer* r);
 /// Filters the current eye's finished picture.
 void stp_gl_pixel_filter_pass_draw(struct stp_gl_renderer* r);
 

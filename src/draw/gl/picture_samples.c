@@ -242,9 +242,9 @@ static void mark_time(const stp_gl_renderer* r, const stp_gl_sample* sample,
 /// Shades the visibility buffer into the picture or the sums.
 static stp_result shade(stp_gl_renderer* r, const stp_gl_sample* sample)
 {
-    bool filters = r->style->pixel_filter && !sample->sums && !sample->bare;
-    stp_result result = filters ? stp_gl_pixel_filter_pass_begin(r) : STP_OK;
-    result = result == STP_OK ? stp_gl_shade_pass_draw(r, sample->sums, filters) : result;
+    bool wanted = r->style->pixel_filter && !sample->sums && !sample->bare;
+    bool filters = wanted && stp_gl_pixel_filter_pass_begin(r);
+    stp_result result = stp_gl_shade_pass_draw(r, sample->sums, filters);
     result = result == STP_OK ? stp_gl_portion_wait(r) : result;
     bool works_on_bytes = !sample->sums;
     if (result == STP_OK && works_on_bytes) {

@@ -15,20 +15,23 @@ void stp_gl_pixel_filter_pass_destroy(stp_gl_renderer* r)
     *pass = (stp_gl_pixel_filter_pass){0};
 }
 
-stp_result stp_gl_pixel_filter_pass_begin(stp_gl_renderer* r)
+/// Creates the program, unless it failed before.
+static bool make_program(stp_gl_renderer* r)
+{
+    stp_gl_pixel_filter_pass* pass = &r->pixel_filter;
+    return pass->program != 0 ||
+           (!pass->warned &&
+            stp_gl_program_create_compute(r->base.context, &r->gl, "pixel_filter.comp.glsl", NULL,
+                                          &pass->program) == STP_OK);
+}
+
+static bool make_textures(stp_gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     const stp_gl_target* t = &r->target;
     stp_gl_pixel_filter_pass* pass = &r->pixel_filter;
-    if (pass->program == 0) {
-        stp_result result = stp_gl_program_create_compute(
-            r->base.context, gl, "pixel_filter.comp.glsl", NULL, &pass->program);
-        if (result != STP_OK) {
-            return result;
-        }
-    }
     if (pass->full_width == t->full_width && pass->width == t->width && pass->height == t->height) {
-        return STP_OK;
+        return true;
     }
     const GLuint old[] = {pass->kinds, pass->copy};
     gl->DeleteTextures(2, old);
@@ -36,16 +39,26 @@ stp_result stp_gl_pixel_filter_pass_begin(stp_gl_renderer* r)
     }
     pass->kinds = stp_gl_make_texture(gl, GL_R8UI, t->width, t->height, "kinds of pixels");
     pass->copy = stp_gl_make_texture(gl, GL_RGBA8, t->full_width, t->height, "unfiltered picture");
-    pass->width = t->width;
+    bool made = gl->GetError() == GL_NO_ERROR;
+    pass->width = made ? t->width : 0;
     pass->height = t->height;
     pass->full_width = t->full_width;
-    if (gl->GetError() != GL_NO_ERROR) {
-        pass->width = 0;
-        return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
-                        "gl: not enough graphics memory to filter a picture of %ux%u",
-                        t->full_width, t->height);
+    return made;
+}
+
+bool stp_gl_pixel_filter_pass_begin(stp_gl_renderer* r)
+{
+    stp_gl_pixel_filter_pass* pass = &r->pixel_filter;
+    bool can = make_program(r) && make_textures(r);
+    if (!can && !pass->warned) {
+        pass->warned = true;
+        stp_warn(
+            r->base.context,
+            "gl: the program or the graphics memory to filter a picture of %ux%u is missing: it "
+            "is not filtered",
+            r->target.full_width, r->target.height);
     }
-    return STP_OK;
+    return can;
 }
 
 void stp_gl_pixel_filter_pass_draw(stp_gl_renderer* r)
