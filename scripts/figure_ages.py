@@ -46,7 +46,7 @@ def cells_of(line):
 
 
 def rows_of(text):
-    """Line number, name, command and date of each row of the tables that have both columns."""
+    """Line number, name, command and date of each figure of the tables that have both columns."""
     heads = None
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("|"):
@@ -56,7 +56,7 @@ def rows_of(text):
         elif not re.fullmatch(r"[|\s:-]+", line):
             row = dict(zip(heads, cells_of(line)))
             command = row.get("command", row.get("measured by"))
-            if command is not None and "date" in row:
+            if command is not None and "date" in row and row.get("measured") != "not measured":
                 yield number, cells_of(line)[0], command, row["date"]
 
 

@@ -99,7 +99,7 @@ END
 cat > flight.json << 'END'
 {"fov": 60, "fps": 4, "keys": [{"t": 0, "eye": [4, 0, 9], "target": [4, 0, 0]}, {"t": 1, "eye": [0, 0, 5], "target": [0, 0, 0]}]}
 END
-"$stipple" fly ball.stip --path flight.json --size 128x96 --splat-size 1.5 --fovea 0.1:2,1:6 --stereo -o pictures/ --popping \
+"$stipple" fly ball.stip --path flight.json --size 128x96 --splat-size 1.5 --fovea 0.1:2,1:6 --stereo -o pictures/ --popping --pixel-filter off \
     --json > fly.json 2> err || fail "fly: $(cat err)"
 cmp -s stereo.png pictures/frame-000000.png || fail "a frame of two eyes differs from render's picture"
 python3 -c 'import json; f = json.load(open("fly.json")); assert f["popping"]["max"] > 0 and f["width"] == 128' || fail "fly's figures"
