@@ -4,8 +4,8 @@
 // mean of itself and its eight neighbours, with weights (k, 1 - 2k, k) across and down, in light
 // and premultiplied by coverage. What aliases spreads over the pixels that see the same parts.
 // Splats stand for more surface than a pixel's centre hits, so pixels that show one have a larger k
-// than those of triangles and of the background. Open pixels, and
-// covered ones, stay exactly as they are among equal neighbours; others to within a level.
+// than those of triangles and of the background. Open pixels, and covered ones, stay exactly as they
+// are among equal neighbours; others to within a level.
 #pragma once
 
 #include "draw/cpu/cpu.h"
