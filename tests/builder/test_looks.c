@@ -6,6 +6,7 @@
 #include "builder/shadings.h"
 #include "capture/capture_internal.h"
 #include "draw/draw.h"
+#include "scene/bulk.h"
 #include "scene/looks.h"
 #include "select/select.h"
 
@@ -303,12 +304,14 @@ void test_looks_of_a_large_texture_can_be_cancelled(test_state* test)
     CHECK(scene != NULL);
     uint32_t large = scene->materials[scene->meshes[0].material].metallic_roughness_texture.texture;
     stp_texture* texture = &scene->textures[large];
+    scene->bulk_bytes -= stp_texture_bytes(texture);
     stp_free(context, texture->texels);
     texture->texels = stp_alloc_array(context, WIDE, 4 * HIGH);
     CHECK(texture->texels != NULL);
     memset(texture->texels, 0, (size_t)WIDE * 4 * HIGH);
     texture->width = WIDE;
     texture->height = HIGH;
+    scene->bulk_bytes += stp_texture_bytes(texture);
     CHECK_EQUAL(STP_ERROR_CANCELLED, stp_scene_find_looks(scene));
     CHECK(texels >= (uint64_t)WIDE * HIGH);
     stp_shading_set set;

@@ -302,12 +302,12 @@ const stp_cpu_item* stp_cpu_item_of_task(const stp_cpu_renderer* r, uint32_t tas
 /// Depth bounds of fragments in the current layer, for a worker.
 static inline stp_raster_layer stp_cpu_make_layer(const stp_cpu_renderer* r, stp_cpu_worker* worker)
 {
-    size_t index = (size_t)(worker - r->workers);
+    size_t first = (size_t)(worker - r->workers) * r->layers.mark_count;
     return (stp_raster_layer){.nearer = r->layers.nearer,
                               .farther = r->layers.farther,
                               .splats_below = r->layers.splats_below,
                               .found = &worker->layer_found,
-                              .marks = r->layers.marks + index * r->layers.mark_count,
+                              .marks = r->layers.marks != NULL ? r->layers.marks + first : NULL,
                               .tests_all = r->layers.nearest_only};
 }
 
