@@ -352,8 +352,24 @@ void test_clusters_stay_within_their_limits(test_state* test)
             CHECK_EQUAL(i, stp_clusters_find(&clusters, triangles));
             CHECK_EQUAL(i, stp_clusters_find(&clusters, triangles + c.triangle_count - 1));
             stp_box box = stp_clusters_bounds(&clusters, i);
-            float positions[3 * STP_CLUSTER_VERTICES];
+            float positions[3 * STP_CLUSTER_VERTICES], others[3 * STP_CLUSTER_VERTICES];
+            uint32_t indices[2][3 * STP_CLUSTER_TRIANGLES];
+            stp_cluster part;
+            stp_clusters_get_shape(&clusters, i, &part);
             stp_cluster_positions(&clusters, &c, positions);
+            stp_cluster_positions(&clusters, &part, others);
+            stp_cluster_indices(&c, i, indices[0]);
+            stp_cluster_indices(&part, i, indices[1]);
+            CHECK(part.first_triangle == triangles && part.triangle_count == c.triangle_count);
+            CHECK(memcmp(positions, others, 3 * c.vertex_count * sizeof(float)) == 0);
+            CHECK(memcmp(indices[0], indices[1], 3 * c.triangle_count * sizeof(uint32_t)) == 0);
+            for (uint32_t t = 0; t < c.triangle_count; ++t) {
+                uint32_t corners[3];
+                stp_cluster_corners(&c, t, corners);
+                for (uint32_t k = 0; k < 3; ++k) {
+                    CHECK_EQUAL(i + corners[k], indices[0][3 * t + k]);
+                }
+            }
             for (uint32_t v = 0; v < c.vertex_count; ++v) {
                 stp_vec3 p = stp_cluster_position(&clusters, &c, v);
                 CHECK(memcmp(&p, positions + 3 * v, sizeof(p)) == 0);

@@ -14,6 +14,13 @@ static float use_clusters(const stp_clusters* clusters)
     for (uint32_t i = 0; i < clusters->cluster_count; ++i) {
         stp_cluster c;
         float positions[3 * STP_CLUSTER_VERTICES], color[4];
+        uint32_t indices[3 * STP_CLUSTER_TRIANGLES];
+        stp_clusters_get_shape(clusters, i, &c);
+        stp_cluster_positions(clusters, &c, positions);
+        stp_cluster_indices(&c, 0, indices);
+        for (uint32_t k = 0; k < 3 * c.triangle_count; ++k) {
+            sum += positions[3 * (size_t)indices[k]];
+        }
         stp_clusters_get(clusters, i, &c);
         stp_cluster_positions(clusters, &c, positions);
         sum += stp_clusters_bounds(clusters, i).max.x;

@@ -66,7 +66,7 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, b
 {
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
-    stp_clusters_get(&item->clusters, index, &cluster);
+    stp_clusters_get_shape(&item->clusters, index, &cluster);
     if (b->cluster_count == 0) {
         b->first_triangle = cluster.first_triangle;
     } else if (cluster.first_triangle != b->first_triangle + b->triangle_count) {

@@ -35,7 +35,7 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_s
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
     uint32_t corners[3 * STP_CLUSTER_TRIANGLES];
-    stp_clusters_get(&item->clusters, index, &cluster);
+    stp_clusters_get_shape(&item->clusters, index, &cluster);
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
     stp_cluster_indices(&cluster, b->vertex_count, corners);
     uint32_t count = cluster.triangle_count, number = cluster.first_triangle;

@@ -236,13 +236,16 @@ static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
     return good;
 }
 
-/// Builds the runs of all channels, from `next` on. @return their end, or NULL if a channel is
-/// invalid
-static const unsigned char* get_runs(uint32_t present, const clusters_entry* entry,
+/// Builds the runs of the channels before `last`, from `next` on; the others read as absent.
+/// @return their end, or NULL if a channel is invalid
+static const unsigned char* get_runs(uint32_t present, const clusters_entry* entry, uint32_t last,
                                      const clusters_channel* further, const unsigned char* next,
                                      stp_cluster_run runs[STP_CLUSTER_CHANNELS])
 {
-    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+    for (uint32_t i = last; i < STP_CLUSTER_CHANNELS; ++i) {
+        runs[i] = no_run;
+    }
+    for (uint32_t i = 0; i < last; ++i) {
         uint32_t count = clusters_values(present, i, entry->last_vertex + 1u, entry->normal_count);
         if (count == 0) {
             runs[i] = no_run;
@@ -258,7 +261,9 @@ static const unsigned char* get_runs(uint32_t present, const clusters_entry* ent
     return next;
 }
 
-void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster)
+/// Opens a cluster with the channels before `last`.
+static void get_channels(const stp_clusters* clusters, uint32_t index, uint32_t last,
+                         stp_cluster* cluster)
 {
     clusters_entry entry = clusters_read_entry(entry_at(clusters, index));
     atomic_signal_fence(memory_order_seq_cst);
@@ -270,7 +275,9 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
     }
     const unsigned char* table = clusters->bytes + 4 * (size_t)entry.offset;
     clusters_channel channels[STP_CLUSTER_CHANNELS];
-    read_channels(table, extra, channels);
+    if (last > STP_CLUSTER_Z + 1) {
+        read_channels(table, extra, channels);
+    }
     cluster->first_triangle = entry.first_triangle;
     cluster->triangle_count = entry.triangle_count;
     cluster->vertex_count = entry.last_vertex + 1u;
@@ -281,12 +288,22 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
     cluster->period = clusters_index_triangles(&entry);
     cluster->stride = entry.group;
     const unsigned char* end =
-        get_runs(clusters->present, &entry, channels,
+        get_runs(clusters->present, &entry, last, channels,
                  cluster->indices + 3 * (size_t)cluster->period, cluster->runs);
     if (end == NULL || (uint64_t)(end - table) > left) {
         get_nothing(cluster);
     }
     assert(cluster->period >= 1 && "stp_cluster_corners divides by it");
+}
+
+void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster)
+{
+    get_channels(clusters, index, STP_CLUSTER_CHANNELS, cluster);
+}
+
+void stp_clusters_get_shape(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster)
+{
+    get_channels(clusters, index, STP_CLUSTER_Z + 1, cluster);
 }
 
 /// Indices from `base` on; those that are not below `limit` become `base`. Compiled to vectors.

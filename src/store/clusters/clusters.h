@@ -149,6 +149,8 @@ typedef struct stp_cluster {
 /// because a mapped file can be overwritten at any time. An invalid cluster becomes one vertex and
 /// no triangles. All functions below stay within the mapped bytes and the STP_CLUSTER_* limits.
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
+/// Same, in less time: only positions and indices; what else it has reads as absent.
+void stp_clusters_get_shape(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
 /// A box around the cluster, computed without opening it; at most twice as large as the tight box.
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
 uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index);
