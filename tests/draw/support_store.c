@@ -161,3 +161,20 @@ stp_store* made_open_file(stp_context* context, made_scene* scene, int* descript
     unlink(path); // an open store keeps its bytes
     return result == STP_OK ? store : NULL;
 }
+
+unsigned char* made_file_bytes(stp_context* context, made_scene* scene, size_t* size)
+{
+    int file = -1;
+    stp_store_close(made_open_file(context, scene, &file));
+    off_t end = file >= 0 ? lseek(file, 0, SEEK_END) : 0;
+    unsigned char* bytes = malloc((size_t)end + 1);
+    bool read = bytes != NULL && end > 0 && pread(file, bytes, (size_t)end, 0) == end;
+    if (file >= 0) {
+        close(file);
+    }
+    *size = (size_t)end;
+    if (!read) {
+        free(bytes);
+    }
+    return read ? bytes : NULL;
+}

@@ -45,3 +45,5 @@ void made_one_node(made_scene* scene, const stp_store_mesh* mesh, const stp_spla
 stp_store* made_open(stp_context* context, made_scene* scene);
 /// The same; `file` receives a descriptor of the file, to read and write, which the caller closes.
 stp_store* made_open_file(stp_context* context, made_scene* scene, int* file);
+/// Bytes of the file of a scene; free them. NULL on failure.
+unsigned char* made_file_bytes(stp_context* context, made_scene* scene, size_t* size);

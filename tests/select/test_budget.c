@@ -624,6 +624,22 @@ void test_budget_takes_effects_back_in_reverse_order(test_state* test)
     CHECK(seen[7] > 0 && seen[3] > 0 && seen[1] > 0);
 }
 
+/// How often the effects that are left out change after the first 60 frames. `round` varies noise.
+static int count_changes(const lavish_machine* m, double budget_ms, uint64_t frames, int round)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, budget_ms);
+    int changes = 0;
+    uint32_t before = 0;
+    for (uint64_t frame = 0; frame < frames; ++frame) {
+        draw_lavish(&budget, m, frame + 1000 * (uint64_t)round);
+        uint32_t left_out = stp_budget_left_out(&budget);
+        changes += frame > 60 && left_out != before ? 1 : 0;
+        before = left_out;
+    }
+    return changes;
+}
+
 void test_budget_does_not_alternate_effects(test_state* test)
 {
     for (int i = 0; i < 60; ++i) { // every share of the budget that an effect may take
@@ -632,16 +648,7 @@ void test_budget_does_not_alternate_effects(test_state* test)
                             .occlusion_ms = i < 20 ? 1.5 * (double)i : 10.0,
                             .layer_ms = i >= 40 ? 1.5 * (double)(i - 40) : 0.0,
                             .noise = 0.04};
-        stp_budget budget;
-        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
-        int changes = 0;
-        uint32_t before = 0;
-        for (uint64_t frame = 0; frame < 600; ++frame) {
-            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
-            uint32_t left_out = stp_budget_left_out(&budget);
-            changes += frame > 60 && left_out != before ? 1 : 0;
-            before = left_out;
-        }
+        int changes = count_changes(&m, 33.0, 600, i);
         CHECK(changes <= 1);
     }
 }
@@ -710,16 +717,7 @@ void test_budget_does_not_alternate_layers_and_pattern(test_state* test)
                             .nearest_ms = 3.5,
                             .noise = 0.04,
                             .plain = true};
-        stp_budget budget;
-        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
-        int changes = 0;
-        uint32_t before = 0;
-        for (uint64_t frame = 0; frame < 1000; ++frame) {
-            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
-            uint32_t left_out = stp_budget_left_out(&budget);
-            changes += frame > 60 && left_out != before ? 1 : 0;
-            before = left_out;
-        }
+        int changes = count_changes(&m, 20.0, 1000, i);
         CHECK(changes <= 1);
     }
 }
@@ -738,16 +736,7 @@ void test_budget_does_not_alternate_in_noise(test_state* test)
                                      : i % 3 == 1 ? 0.2
                                                   : 0.25,
                             .plain = true};
-        stp_budget budget;
-        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 20.0);
-        int changes = 0;
-        uint32_t before = 0;
-        for (uint64_t frame = 0; frame < 1000; ++frame) {
-            draw_lavish(&budget, &m, frame + 1000 * (uint64_t)i);
-            uint32_t left_out = stp_budget_left_out(&budget);
-            changes += frame > 60 && left_out != before ? 1 : 0;
-            before = left_out;
-        }
+        int changes = count_changes(&m, 20.0, 1000, i);
         most = changes > most ? changes : most;
     }
     CHECK(most <= 4);

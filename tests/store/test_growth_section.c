@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const uint8_t white[3] = {255, 255, 255};
 
@@ -49,21 +48,10 @@ void test_growths_are_read_as_written(test_state* test)
 static unsigned char* make_file(stp_context* context, size_t* size)
 {
     made_scene scene;
-    int file = -1;
     make_scene(context, &scene, 3.0f);
-    stp_store_close(made_open_file(context, &scene, &file));
+    unsigned char* bytes = made_file_bytes(context, &scene, size);
     made_free_set(context, &scene.sets[0]);
-    off_t end = file >= 0 ? lseek(file, 0, SEEK_END) : 0;
-    unsigned char* bytes = malloc((size_t)end + 1);
-    bool read = bytes != NULL && end > 0 && pread(file, bytes, (size_t)end, 0) == end;
-    if (file >= 0) {
-        close(file);
-    }
-    *size = (size_t)end;
-    if (!read) {
-        free(bytes);
-    }
-    return read ? bytes : NULL;
+    return bytes;
 }
 
 void test_invalid_growths_are_refused(test_state* test)

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static uint8_t texel[4] = {128, 128, 255, 255};
 
@@ -101,20 +100,8 @@ void test_invalid_normal_maps_are_refused(test_state* test)
 static unsigned char* make_file(stp_context* context, size_t* size)
 {
     static made_scene scene;
-    int file = -1;
     make_scene(&scene, true);
-    stp_store_close(made_open_file(context, &scene, &file));
-    off_t end = file >= 0 ? lseek(file, 0, SEEK_END) : 0;
-    unsigned char* bytes = malloc((size_t)end + 1);
-    bool read = bytes != NULL && end > 0 && pread(file, bytes, (size_t)end, 0) == end;
-    if (file >= 0) {
-        close(file);
-    }
-    *size = (size_t)end;
-    if (!read) {
-        free(bytes);
-    }
-    return read ? bytes : NULL;
+    return made_file_bytes(context, &scene, size);
 }
 
 static stp_result open_bytes(stp_context* context, const unsigned char* bytes, size_t size)
