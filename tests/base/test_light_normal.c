@@ -27,8 +27,8 @@ void test_light_normals_come_back(test_state* test)
         stp_light_normal_encode(stp_scale(wanted, length), own, turn, &spread);
         const stp_light_normals of = {turn, &spread};
         stp_vec3 got = stp_light_normal(&of, own, 0);
-        CHECK(fabsf(stp_length(got) - length) <= 0.51f / 255.0f);
-        CHECK(length < 0.02f || stp_dot(stp_normalize(got), wanted) > 0.9998f);
+        CHECK(fabsf(stp_length(got) - length) <= (length > 0.97f ? 1.51f : 8.51f) / 255.0f);
+        CHECK(length < 0.1f || stp_dot(stp_normalize(got), wanted) > 0.995f); // 6 degrees
     }
 }
 

@@ -69,7 +69,7 @@ void test_light_normals_are_means_of_the_surface(test_state* test)
             float length = stp_length(light);
             CHECK(length > 0.6f && length <= 1.0f && fabsf(light.y) < 0.03f);
             if (radius > 8.0f * (float)FOLD) { // many folds: the mean is that of both slopes
-                CHECK(fabsf(light.x) < 0.1f && fabsf(length - 0.766f) < 0.02f);
+                CHECK(fabsf(light.x) < 0.1f && fabsf(length - 0.766f) < 0.03f);
                 wide += 1;
             }
         }
@@ -97,8 +97,8 @@ void test_light_normals_follow_those_of_candidates(test_state* test)
         for (uint32_t i = 0; i < s.octave_ends[octave]; ++i) {
             stp_vec3 light = light_of(&s, octave, i);
             CHECK(s.normals[2 * i] == 0 && s.normals[2 * i + 1] == 0); // the disk's own: +z
-            CHECK(fabsf(light.x) < 0.01f && fabsf(light.y - 0.36f) < 0.01f &&
-                  fabsf(light.z - 0.48f) < 0.01f);
+            CHECK(fabsf(light.x) < 0.03f && fabsf(light.y - 0.36f) < 0.03f &&
+                  fabsf(light.z - 0.48f) < 0.03f);
         }
     }
     stp_splats_destroy(context, &s);

@@ -11,8 +11,9 @@
 
 #include <assert.h>
 
-/// Steps of a turn and of a spread that count as none: they are too small to be seen.
-enum { STP_LIGHT_SLACK = 1 };
+/// Turns are multiples of this many steps of a code, about 3 degrees; spreads have at most two
+/// significant bits up to 64, then multiples of 16. Finer ones cannot be seen, and compress worse.
+enum { STP_TURN_STEP = 4, STP_SPREAD_STEP = 16 };
 
 /// Light normals of one octave.
 typedef struct stp_light_normals {
@@ -64,9 +65,22 @@ static inline stp_vec3 stp_light_normal(const stp_light_normals* of, const int8_
     return stp_scale(stp_octahedral_decode(code[0], code[1]), length);
 }
 
-static inline bool stp_is_light_slack(int8_t step)
+/// A turn to another code, rounded; the code that it leads to stays valid.
+static inline int8_t stp_light_turn(int8_t own, int8_t code)
 {
-    return step >= -STP_LIGHT_SLACK && step <= STP_LIGHT_SLACK;
+    int turn = code - own, low = (turn + STP_TURN_STEP / 2) & ~(STP_TURN_STEP - 1);
+    low = own + low > 127 ? low - STP_TURN_STEP : own + low < -127 ? low + STP_TURN_STEP : low;
+    return (int8_t)(uint8_t)low; // modulo 256
+}
+
+static inline uint8_t stp_light_spread(float length)
+{
+    int spread = (int)((1.0f - length) * 255.0f + 0.5f), step = 1;
+    while (4 * step <= spread && step < STP_SPREAD_STEP) {
+        step *= 2;
+    }
+    int rounded = spread <= 1 ? 0 : (spread + step / 2) / step * step;
+    return (uint8_t)(rounded < 255 ? rounded : 255);
 }
 
 /// @param mean of unit normals; of length 0, it has the direction of `own`
@@ -78,12 +92,8 @@ static inline void stp_light_normal_encode(stp_vec3 mean, const int8_t own[2], i
     if (length > 0.0f) {
         stp_octahedral_encode(mean, code);
     }
-    *spread = (uint8_t)((1.0f - length) * 255.0f + 0.5f);
     for (int k = 0; k < 2; ++k) {
-        turn[k] = (int8_t)(uint8_t)((uint8_t)code[k] - (uint8_t)own[k]);
+        turn[k] = stp_light_turn(own[k], code[k]);
     }
-    if (*spread <= STP_LIGHT_SLACK && stp_is_light_slack(turn[0]) && stp_is_light_slack(turn[1])) {
-        turn[0] = turn[1] = 0;
-        *spread = 0;
-    }
+    *spread = stp_light_spread(length);
 }
