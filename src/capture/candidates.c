@@ -26,12 +26,12 @@ static stp_result move_columns(const stp_capture_job* job, stp_candidates* c, si
     stp_context* context = job->scene->context;
     void *positions = c->positions, *normals = c->normals, *colors = c->colors;
     void *materials = c->materials, *lights = c->light_normals;
-    bool moved = move_column(context, &positions, c->count, room, 3 * sizeof(float)) &&
-                 move_column(context, &normals, c->count, room, 3 * sizeof(float)) &&
-                 move_column(context, &colors, c->count, room, 4) &&
-                 move_column(context, &materials, c->count, room, sizeof(uint32_t)) &&
-                 (!job->has_lights ||
-                  move_column(context, &lights, c->count, room, 3 * sizeof(float)));
+    bool moved =
+        move_column(context, &positions, c->count, room, 3 * sizeof(float)) &&
+        move_column(context, &normals, c->count, room, 3 * sizeof(float)) &&
+        move_column(context, &colors, c->count, room, 4) &&
+        move_column(context, &materials, c->count, room, sizeof(uint32_t)) &&
+        (!job->has_lights || move_column(context, &lights, c->count, room, 3 * sizeof(float)));
     c->positions = positions;
     c->normals = normals;
     c->light_normals = lights;

@@ -12,10 +12,10 @@
 
 /// Entries of the colour pyramid that a prefix is drawn with (base/splats/splat_columns.h).
 typedef struct stp_set_entries {
-    size_t first;        ///< entry of splat 0 in the prefix's octave
-    size_t first_before; ///< same in the octave before
-    uint32_t before;     ///< splats that have entries there
-    float share;         ///< weight of the prefix's own octave for those
+    size_t first;                            ///< entry of splat 0 in the prefix's octave
+    size_t first_before;                     ///< same in the octave before
+    uint32_t before;                         ///< splats that have entries there
+    float share;                             ///< weight of the prefix's own octave for those
     stp_light_normals lights, lights_before; ///< of both octaves
 } stp_set_entries;
 

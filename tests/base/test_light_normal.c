@@ -12,7 +12,8 @@ static float unit(uint64_t index)
 
 static stp_vec3 direction(uint64_t index)
 {
-    return stp_normalize((stp_vec3){2.0f * unit(3 * index) - 1.0f, 2.0f * unit(3 * index + 1) - 1.0f,
+    return stp_normalize((stp_vec3){2.0f * unit(3 * index) - 1.0f,
+                                    2.0f * unit(3 * index + 1) - 1.0f,
                                     2.0f * unit(3 * index + 2) - 1.0f});
 }
 

@@ -123,9 +123,10 @@ static void diffuse_one(const stp_lighting* light, stp_vec3 n, stp_vec3 eye, flo
     float variance = 1.0f - length * length, to_eye = (1.0f - length) * SPREAD_TO_EYE;
     float toward = length * stp_dot(n, light->key) + to_eye * stp_dot(eye, light->key);
     float lambert = 0.5f * (toward + sqrtf(toward * toward + SPREAD_LAMBERT * variance));
-    float height = 0.5f + 0.5f * (length * stp_dot(n, light->up) + to_eye * stp_dot(eye, light->up));
-    float fill = LIGHT_FILL * facing * facing * (length * length) +
-                 LIGHT_FILL * SPREAD_FILL * variance;
+    float height =
+        0.5f + 0.5f * (length * stp_dot(n, light->up) + to_eye * stp_dot(eye, light->up));
+    float fill =
+        LIGHT_FILL * facing * facing * (length * length) + LIGHT_FILL * SPREAD_FILL * variance;
     for (int k = 0; k < 3; ++k) {
         out[k] = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
         if (!(variance > 0.0f)) { // the light of n itself

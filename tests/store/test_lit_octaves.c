@@ -100,8 +100,8 @@ void test_invalid_light_normals_are_refused(test_state* test)
             uint32_t own = lit != 0 ? STP_STORE_ENCODING_LIT : STP_STORE_ENCODING_CHUNKS;
             stp_write_u32(block + 36, encoding);
             reseal(bytes, size);
-            bool unknown = encoding > STP_STORE_ENCODING_LIT ||
-                           encoding == STP_STORE_ENCODING_OPERATORS;
+            bool unknown =
+                encoding > STP_STORE_ENCODING_LIT || encoding == STP_STORE_ENCODING_OPERATORS;
             stp_result result = open_all(context, bytes, size);
             CHECK_EQUAL(encoding == own ? STP_OK
                         : unknown       ? STP_ERROR_UNSUPPORTED
@@ -131,16 +131,17 @@ void test_damaged_light_normals_are_refused(test_state* test)
         CHECK_EQUAL(STP_ERROR_FORMAT, open_all(context, bytes, size));
         bytes[i] ^= 0x20;
     }
-    for (size_t cut = first; cut < first + stored; ++cut) { // it ends early: the octave is not there
+    for (size_t cut = first; cut < first + stored;
+         ++cut) { // it ends early: the octave is not there
         unsigned char* part = malloc(cut + 1);
         CHECK(part != NULL);
         memcpy(part, bytes, cut);
         CHECK(open_all(context, part, cut) != STP_OK);
         stp_store* store = NULL;
         stp_splats got;
-        CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "part", part, cut,
-                                                  &(stp_store_open_desc){.accept_partial = true},
-                                                  &store));
+        CHECK_EQUAL(STP_OK,
+                    stp_store_open_memory(context, "part", part, cut,
+                                          &(stp_store_open_desc){.accept_partial = true}, &store));
         CHECK_EQUAL(STP_OK, stp_store_get_splat_set(store, 0, &got));
         CHECK(got.count == 0 && got.light_octaves == 0);
         stp_store_close(store);

@@ -140,8 +140,8 @@ static inline void diffuse_lanes(const stp_lighting* light, const lanes_float ey
     lanes_float lambert = 0.5f * (toward + soft);
     lanes_float up = length * dot_with(n, light->up) + to_eye * dot_with(eye, light->up);
     lanes_float height = 0.5f + 0.5f * up;
-    lanes_float fill = LIGHT_FILL * facing * facing * (length * length) +
-                       LIGHT_FILL * SPREAD_FILL * variance;
+    lanes_float fill =
+        LIGHT_FILL * facing * facing * (length * length) + LIGHT_FILL * SPREAD_FILL * variance;
     for (int k = 0; k < 3; ++k) {
         out[k] = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
     }

@@ -295,9 +295,9 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     const stp_splats* s = p->surfels;
     size_t total = 0, count = s->count, samples = p->input->finish->candidates->count;
     // octaves that are summed up
-    size_t sums = !stp_pyramid_keeps_candidates(p)      ? count
-                  : s->octave_count > 1 ? s->octave_ends[s->octave_count - 2]
-                                        : 1;
+    size_t sums = !stp_pyramid_keeps_candidates(p) ? count
+                  : s->octave_count > 1            ? s->octave_ends[s->octave_count - 2]
+                                                   : 1;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
