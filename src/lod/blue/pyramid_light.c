@@ -117,7 +117,7 @@ static bool is_any_set(const void* bytes, size_t size)
 stp_result stp_pyramid_write_lights(const stp_pyramid* p)
 {
     stp_splats* s = p->surfels;
-    bool own = p->lights == NULL; // candidates without any: the finest octave needs none
+    bool own = p->lights == NULL; // finest surfels stand for a few candidates each
     uint32_t octaves = s->octave_count - (own ? 1 : 0);
     size_t entries = 0, to = 0;
     for (uint32_t k = 0; k < octaves; ++k) {
