@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support_expected.h"
 
+#include "base/splats/light_normal.h"
+
 #include <stdio.h>
 #include <zlib.h>
 
@@ -261,6 +263,11 @@ static json_t* expected_splat_sets(const stp_store_content* content)
             }
             if (s->errors != NULL) {
                 json_object_set_new(columns, "errors", json_integer(crc(s->errors, 4 * n)));
+            }
+            size_t lights = (size_t)stp_light_normals_begin(s, s->octave_count);
+            if (lights > 0) {
+                json_object_set_new(columns, "turns", json_integer(crc(s->turns, 2 * lights)));
+                json_object_set_new(columns, "spreads", json_integer(crc(s->spreads, lights)));
             }
         }
         json_t* set = json_pack("{s:I s:f s:o s:o s:o s:I s:f s:f}", "count", (json_int_t)n, "step",
