@@ -75,8 +75,11 @@ void stp_pyramid_sum_lights(stp_pyramid* p, uint32_t octave, const stp_grid* sam
 
 void stp_pyramid_keep_lights(stp_pyramid* p, uint32_t octave)
 {
-    float* lights = p->lights + (p->lights != NULL ? 3 * stp_pyramid_first(p, octave) : 0);
-    for (size_t i = 0; p->lights != NULL && i < p->surfels->count; ++i) {
+    if (p->lights == NULL) {
+        return;
+    }
+    float* lights = p->lights + 3 * stp_pyramid_first(p, octave);
+    for (size_t i = 0; i < p->surfels->count; ++i) {
         candidate_light(p, p->input->finish->order[i], lights + 3 * i);
     }
 }
