@@ -128,7 +128,7 @@ def read_surfels(ranges, found, count):
         block = found["records"][k]
         end, first = found["octave_ends"][k], ([0] + found["octave_ends"])[k]
         stored = ranges.read(block["offset"], block["size"])
-        if block["encoding"] in (1, 2):
+        if block["encoding"] in (1, 2, 3):
             stored = unpack_octave(found, {**block, "octave": k}, stored, f"octave {k}")
         else:
             need(zlib.crc32(stored) == block["crc"], f"octave {k}: checksum")

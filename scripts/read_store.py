@@ -337,9 +337,10 @@ def block_columns(t, block):
     n = end - ([0] + record["octave_ends"])[block["octave"]]
     has = record["method_columns"]
     entries = n if has & 4 else end
+    lights = end if block["encoding"] == 3 else 0
     return record, [("positions", 6 * n), ("normals", 2 * n), ("materials", n), ("colors", 3 * entries),
                     ("coverages", entries), ("shapes", 4 * n * (has & 1)), ("ranges", 4 * n * (has >> 1 & 1)),
-                    ("errors", 4 * n * (has >> 4 & 1))], 1
+                    ("errors", 4 * n * (has >> 4 & 1)), ("turns", 2 * lights), ("spreads", lights)], 1
 
 
 def picture_size(encoding, data):
@@ -501,12 +502,13 @@ def read_clusters(data, begin, end, record):
     record["columns"] = sums
 
 
-def chunk_ends(at, first, end, place_bytes):
+def chunk_ends(at, first, end, color_bytes, place_bytes):
     """The surfels at the ends of an octave's chunks, the first of which begins at `at`: 64 KiB hold
-    4 bytes each and `place_bytes` more from `first` on."""
+    `color_bytes` each and `place_bytes` more from `first` on."""
+    most = 65536 // color_bytes
     while at < end:
-        room = 65536 - 4 * max(0, min(at + 16384, first) - at)
-        at = at + 16384 if at + 16384 <= first else max(at, first) + room // (4 + place_bytes)
+        room = 65536 - color_bytes * max(0, min(at + most, first) - at)
+        at = at + most if at + most <= first else max(at, first) + room // (color_bytes + place_bytes)
         yield min(at, end)
 
 
@@ -517,22 +519,24 @@ def unpack_octave(record, block, stored, place):
     has = record["method_columns"]
     shape, level, errors = 4 * (has & 1), 4 * (has >> 1 & 1), 4 * (has >> 4 & 1)
     start = first if has & 4 else 0
-    ends = list(chunk_ends(start, first, end, 9 + shape + level + errors))
+    lights = 3 if block["encoding"] == 3 else 0
+    ends = list(chunk_ends(start, first, end, 4 + lights, 9 + shape + level + errors))
     table = [(len(stored), block["crc"])]
     at = 0
     if len(ends) > 1:
         at = 8 * len(ends)
         need(at <= len(stored) and zlib.crc32(stored[:at]) == block["crc"], f"{place}: chunk table")
         table = list(struct.iter_unpack("<2I", stored[:at]))
-    columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges", "errors")}
+    columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges", "errors",
+                                      "turns", "spreads")}
     operators = record.setdefault("operators", Operators(record["step"])) if has == 7 else None
-    need(block["encoding"] == 1 or operators, f"{place}: encoding")
+    need(block["encoding"] == 1 or (operators if block["encoding"] == 2 else has == 0), f"{place}: encoding")
     for begin, stop, (size, crc) in zip([start] + ends, ends, table):
         chunk, at = stored[at:at + size], at + size
         places, colors = max(0, stop - max(begin, first)), stop - begin
-        length = (9 + shape + level + errors) * places + 4 * colors
+        length = (9 + shape + level + errors) * places + (4 + lights) * colors
         need(len(chunk) == size and zlib.crc32(chunk) == crc, f"{place}: chunk")
-        if block["encoding"] == 1 or size == length:
+        if block["encoding"] != 2 or size == length:
             chunk = unpack(chunk, length, f"{place}: chunk")
             if operators:
                 operators.skip(chunk, places)
@@ -545,7 +549,8 @@ def unpack_octave(record, block, stored, place):
         part = 0
         for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
                            ("coverages", colors), ("shapes", shape * places), ("ranges", level * places),
-                           ("errors", errors * places)):
+                           ("errors", errors * places), ("turns", 2 * colors if lights else 0),
+                           ("spreads", colors if lights else 0)):
             columns[name] += chunk[part:part + step]
             part += step
     need(at == len(stored), f"{place}: bytes after the last chunk")
@@ -622,7 +627,7 @@ def read_blocks(data, header, t):
         need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: wrong offset")
         need(not any(data[end:begin]), f"{place}: bytes before it")
         end = begin + block["size"]
-        chunked = block["kind"] == 4 and block["encoding"] in (1, 2)
+        chunked = block["kind"] == 4 and block["encoding"] in (1, 2, 3)
         need(chunked or zlib.crc32(data[begin:end]) == block["crc"], f"{place}: wrong checksum")
         need(0 <= block["radius"] <= radius, f"{place}: radius ascends")
         radius = block["radius"]

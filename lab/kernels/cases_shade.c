@@ -88,6 +88,7 @@ static void make_surface(stp_cpu_shade_surface* s, uint32_t number)
         s->color[k] = kernel_random(6, at + k, 0.0f, 1.0f);
         s->normal[k] = kernel_random(6, at + 3 + k, -1.0f, 1.0f);
     }
+    s->normal[3] = number % 2 == 0 ? 0.0f : kernel_random(6, at + 9, 0.0f, 0.5f);
     const float emissive[3] = {kernel_random(6, at + 6, 0.0f, 0.2f), 0.0f, 0.1f};
     s->material = stp_cpu_make_shade_material(kernel_random(6, at + 7, 0.0f, 1.0f),
                                               kernel_random(6, at + 8, 0.0f, 1.0f), emissive,

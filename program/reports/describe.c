@@ -16,7 +16,7 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
     };
     const stp_store_level_figures* levels = stp_store_get_level_figures(store);
     figures->levels = levels != NULL ? *levels : (stp_store_level_figures){0};
-    figures->has_level_figures = levels != NULL || stp_store_format_minor(store) < 3;
+    figures->has_level_figures = levels != NULL || stp_store_format_minor(store) != 3;
     const stp_store_summary* stored = stp_store_get_summary(store);
     if (stored != NULL) {
         figures->summary = *stored;

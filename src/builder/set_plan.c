@@ -34,7 +34,7 @@
 #define MAX_CANDIDATES 1750000.0
 
 // Part of every key: increase when the same node and options give other splats.
-static const char* const result_version = "stipple-surfels-15";
+static const char* const result_version = "stipple-surfels-16";
 
 // The nearest sets above a node, over all paths to it, in the node's own space.
 typedef struct above {

@@ -2,6 +2,7 @@
 #include "builder/stored_results.h"
 
 #include "base/io/bytes.h"
+#include "base/splats/light_normal.h"
 #include "base/splats/splat_codes.h"
 #include "builder/shadings.h"
 #include "store/bytes/columns.h"
@@ -21,12 +22,15 @@ enum {
     COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
     ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< bit mask of attributes
     LEAVES_AT = ATTRIBUTES_AT + 4,
+    LIGHTS_AT = LEAVES_AT + 4, ///< octaves with light normals
     ATTRIBUTE_COLUMN = 7,
     LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
     ERROR_COLUMN,
+    TURN_COLUMN,
+    SPREAD_COLUMN,
     COLUMNS,
 };
-_Static_assert(LEAVES_AT + 4 <= SPLAT_SET_HEAD, "the head holds the table");
+_Static_assert(LIGHTS_AT + 4 <= SPLAT_SET_HEAD, "the head holds the table");
 
 // Writes or reads consecutive numbers.
 typedef struct cursor {
@@ -79,6 +83,7 @@ static void write_splat_set_head(const stp_splats* s, uint32_t candidates,
     assert(s->octave_count <= STP_OCTAVE_LIMIT && s->table.size <= STP_PREFIX_TABLE_SIZE);
     stp_write_u32(head + COLUMNS_AT, s->columns);
     stp_write_u32(head + LEAVES_AT, s->leaf_count);
+    stp_write_u32(head + LIGHTS_AT, s->light_octaves);
     stp_write_u32(head + ATTRIBUTES_AT, stp_splats_attributes(s));
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
@@ -109,6 +114,7 @@ static bool read_splat_set_head(const unsigned char* head, stp_splats* s, uint32
     assert(at.read == head + OCTAVES_AT && "reader and writer have the same fields");
     s->columns = stp_read_u32(head + COLUMNS_AT);
     s->leaf_count = stp_read_u32(head + LEAVES_AT);
+    s->light_octaves = stp_read_u32(head + LIGHTS_AT);
     if (kind != SPLAT_SET_KIND || s->columns > STP_SPLATS_COLUMNS ||
         s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
         return false;
@@ -145,6 +151,9 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[ERROR_COLUMN] = (s->columns & STP_SPLATS_ERRORS) != 0 ? 4 * (size_t)s->count : 0;
+    size_t lights = (size_t)stp_light_normals_begin(s, s->octave_count);
+    sizes[TURN_COLUMN] = 2 * lights;
+    sizes[SPREAD_COLUMN] = lights;
     sizes[LEAF_COLUMN] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         size_t size = stp_attribute_size((stp_attribute)i) * s->count;
@@ -202,6 +211,8 @@ static bool read_splat_set(const void* result, size_t size, stp_splats* s, uint3
     s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
     s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
     s->errors = sizes[ERROR_COLUMN] != 0 ? (uint32_t*)(bytes + offsets[ERROR_COLUMN]) : NULL;
+    s->turns = sizes[TURN_COLUMN] != 0 ? (int8_t*)(bytes + offsets[TURN_COLUMN]) : NULL;
+    s->spreads = sizes[SPREAD_COLUMN] != 0 ? (uint8_t*)(bytes + offsets[SPREAD_COLUMN]) : NULL;
     s->leaves = sizes[LEAF_COLUMN] != 0 ? (stp_splat_leaf*)(bytes + offsets[LEAF_COLUMN]) : NULL;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         bool there = sizes[ATTRIBUTE_COLUMN + i] != 0;
@@ -241,6 +252,8 @@ static stp_result store_splat_set(stp_work* work, stp_hash key, const stp_splats
     }
     columns[LEAF_COLUMN] = splats->leaves;
     columns[ERROR_COLUMN] = splats->errors;
+    columns[TURN_COLUMN] = splats->turns;
+    columns[SPREAD_COLUMN] = splats->spreads;
     stp_bytes parts[1 + 2 * COLUMNS] = {{head, SPLAT_SET_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         assert((columns[i] != NULL || sizes[i] == 0) && "a column is missing");

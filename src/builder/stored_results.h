@@ -16,7 +16,7 @@
 // folder is closed.
 //
 //   splats:     header 704 | positions | normals | materials | colours | coverages | shapes |
-//                ranges | each attribute | leaves
+//                ranges | each attribute | leaves | split errors | turns | spreads
 //                each padded to 64
 //   coded mesh:  header 64 | bytes
 

@@ -21,16 +21,20 @@ static bool move_column(stp_context* context, void** column, size_t count, size_
     return true;
 }
 
-static stp_result move_columns(stp_context* context, stp_candidates* c, size_t room)
+static stp_result move_columns(const stp_capture_job* job, stp_candidates* c, size_t room)
 {
+    stp_context* context = job->scene->context;
     void *positions = c->positions, *normals = c->normals, *colors = c->colors;
-    void* materials = c->materials;
-    bool moved = move_column(context, &positions, c->count, room, 3 * sizeof(float)) &&
-                 move_column(context, &normals, c->count, room, 3 * sizeof(float)) &&
-                 move_column(context, &colors, c->count, room, 4) &&
-                 move_column(context, &materials, c->count, room, sizeof(uint32_t));
+    void *materials = c->materials, *lights = c->light_normals;
+    bool moved =
+        move_column(context, &positions, c->count, room, 3 * sizeof(float)) &&
+        move_column(context, &normals, c->count, room, 3 * sizeof(float)) &&
+        move_column(context, &colors, c->count, room, 4) &&
+        move_column(context, &materials, c->count, room, sizeof(uint32_t)) &&
+        (!job->has_lights || move_column(context, &lights, c->count, room, 3 * sizeof(float)));
     c->positions = positions;
     c->normals = normals;
+    c->light_normals = lights;
     c->colors = colors;
     c->materials = materials;
     return moved ? STP_OK : stp_fail_memory(context);
@@ -51,7 +55,7 @@ stp_result stp_capture_make_room(stp_capture_job* job, uint64_t more, uint64_t s
         return STP_OK;
     }
     job->room = count + spare;
-    return move_columns(context, candidates, (size_t)job->room);
+    return move_columns(job, candidates, (size_t)job->room);
 }
 
 stp_result stp_capture_append(stp_capture_job* job, uint64_t spare, stp_candidates* candidates)
@@ -70,6 +74,7 @@ void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
 {
     stp_free(context, candidates->positions);
     stp_free(context, candidates->normals);
+    stp_free(context, candidates->light_normals);
     stp_free(context, candidates->colors);
     stp_free(context, candidates->materials);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {

@@ -288,6 +288,23 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
     return result;
 }
 
+static bool has_lights(const stp_capture_job* job)
+{
+    const stp_scene* scene = job->scene;
+    bool any = false;
+    for (size_t i = 0; i < job->set_count && !any; ++i) {
+        any = job->sets[i].splats->light_octaves != 0;
+    }
+    for (size_t i = 0; i < job->part_count && scene->texture_count > 0 && !any; ++i) {
+        stp_part part = job->parts[i].part;
+        if (part.kind == STP_PART_MESH) {
+            const stp_material* m = &scene->materials[scene->meshes[part.index].material];
+            any = stp_scene_used_texture(scene, &m->normal_texture) != NULL;
+        }
+    }
+    return any;
+}
+
 static void move_silhouettes(stp_capture_job* job, stp_candidates* candidates)
 {
     for (uint32_t v = 0; v < job->view_count && v < STP_SILHOUETTES; ++v) {
@@ -367,6 +384,7 @@ stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_s
         drawn = stp_clock_ms();
         result = result == STP_OK ? stp_progress(context, "capture", 0.5) : result;
         result = result == STP_OK ? find_textures(&job, desc, &own) : result;
+        job.has_lights = has_lights(&job);
         result = result == STP_OK ? make_candidates(&job, desc, candidates) : result;
         candidates->triangle_views =
             stp_capture_part_primitives(&job) * candidates->direction_count;

@@ -60,6 +60,9 @@ typedef struct stp_candidates {
     uint32_t count;
     float* positions; ///< 3 each, in the node's space minus `origin`
     float* normals;   ///< 3 each, unit, on the side of the surface that faces the viewer
+    /// 3 each, of length 0 to 1: the mean normal of the surface by which light falls on it, turned
+    /// by normal maps; of a splat of a set, its light normal. NULL: the normals
+    float* light_normals;
     /// RGBA each, sRGB: base colour with texture and vertex colour. Alpha: opacity of a blended
     /// material; for a splat of a set, the share of its disk that is surface
     uint8_t* colors;
@@ -140,8 +143,8 @@ STP_MUST_USE stp_result stp_capture_count_all(const stp_scene* scene,
                                               stp_capture_count* count);
 void stp_candidates_destroy(stp_context* context, stp_candidates* candidates);
 
-/// The scene must outlive them. @param colors_only without those of roughness, metal and emission:
-/// enough for stp_capture_triangle_color, not for a capture
+/// The scene must outlive them. @param colors_only without those of roughness, metal, emission and
+/// normals: enough for stp_capture_triangle_color, not for a capture
 STP_MUST_USE stp_result stp_capture_textures_create(const stp_scene* scene, bool colors_only,
                                                     stp_capture_textures** textures);
 void stp_capture_textures_destroy(stp_capture_textures* textures);

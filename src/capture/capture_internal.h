@@ -18,7 +18,8 @@ enum {
 struct stp_capture_textures {
     const stp_scene* scene;
     stp_texture_pyramid* pyramids; ///< one per texture; without levels if unused
-    stp_texture_pyramid* surfaces; ///< the same of textures of roughness and metal: linear
+    /// The same of textures of roughness and metal, and of normal maps: linear
+    stp_texture_pyramid* surfaces;
 };
 
 /// A parallel projection in pixels: x = right . p + shift_x, y = down . p + shift_y.
@@ -55,7 +56,8 @@ typedef struct stp_capture_job {
     _Atomic uint32_t* seen; ///< one bit per splat
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< per texture
-    const stp_texture_pyramid* surfaces; ///< likewise, of roughness and metal
+    const stp_texture_pyramid* surfaces; ///< likewise, of roughness, metal and normals
+    bool has_lights; ///< a part's material has a normal map, or a set has light normals
     /// Primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
     uint64_t ids_per_pass;
     uint32_t view_count;

@@ -2,6 +2,7 @@
 // Second half of a capture: from covered pixels to candidates.
 #include "base/math/color.h"
 #include "capture/capture_internal.h"
+#include "raster/normal_map.h"
 #include "scene/looks.h"
 
 #include <assert.h>
@@ -23,6 +24,8 @@ typedef struct current_part {
     const stp_mesh* mesh; ///< NULL: a point set
     const stp_point_set* points;
     uint32_t material;
+    bool mirrored;    ///< the placement is
+    bool mapped;      ///< has a normal map
     bool plain;       ///< one colour everywhere: `color`
     uint8_t color[4]; ///< sRGB
 } current_part;
@@ -67,6 +70,7 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
     current->part = low;
     current->placement = stp_capture_placement(job, low);
     stp_affine_normal_matrix(&current->placement, current->normal_matrix);
+    current->mirrored = stp_affine_determinant(&current->placement) < 0.0;
     bool is_mesh = which.kind == STP_PART_MESH;
     current->mesh = is_mesh ? &job->scene->meshes[which.index] : NULL;
     current->points = is_mesh ? NULL : &job->scene->point_sets[which.index];
@@ -75,6 +79,9 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
     const stp_texture_use* use = &material->base_color_texture;
     bool textured =
         use->texture < job->scene->texture_count && job->pyramids[use->texture].level_count != 0;
+    use = &material->normal_texture;
+    current->mapped = is_mesh && use->texture < job->scene->texture_count &&
+                      job->surfaces[use->texture].level_count != 0;
     current->plain = is_mesh && current->mesh->colors == NULL && !textured;
     encode_color(material, material->base_color, current->color);
 }
@@ -128,16 +135,23 @@ static stp_vec3d turn_normal(const double m[3][3], const float* n)
                        m[2][0] * x + m[2][1] * y + m[2][2] * z};
 }
 
+typedef struct seen_normal {
+    stp_vec3d normal; ///< unit, on the side of the triangle that faces the viewer
+    bool behind;      ///< the mesh's own normal points to the other side
+} seen_normal;
+
 /// Interpolated normal, on the side of the triangle that faces the viewer. The triangle decides the
 /// side: near a silhouette, the vertex normals of a coarse mesh may face away although its front is
 /// visible.
-static stp_vec3d triangle_normal(const stp_capture_view* view, const current_part* part,
-                                 const seen_triangle* t)
+static seen_normal triangle_normal(const stp_capture_view* view, const current_part* part,
+                                   const seen_triangle* t)
 {
     stp_vec3d flat = stp_normalized(stp_crossd(stp_subd(t->position[1], t->position[0]),
                                                stp_subd(t->position[2], t->position[0])));
-    flat = stp_dotd(flat, view->toward) < 0.0 ? stp_scaled(flat, -1.0) : flat;
+    bool turned = stp_dotd(flat, view->toward) < 0.0;
+    flat = turned ? stp_scaled(flat, -1.0) : flat;
     bool is_line = !(stp_dotd(flat, flat) > 0.0);
+    stp_vec3d side = is_line ? view->toward : flat;
     if (part->mesh->normals != NULL) {
         float n[3] = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) {
@@ -147,13 +161,13 @@ static stp_vec3d triangle_normal(const stp_capture_view* view, const current_par
             }
         }
         stp_vec3d normal = stp_normalized(turn_normal(part->normal_matrix, n));
-        stp_vec3d side = is_line ? view->toward : flat;
-        normal = stp_dotd(normal, side) < 0.0 ? stp_scaled(normal, -1.0) : normal;
+        bool behind = stp_dotd(normal, side) < 0.0;
+        normal = behind ? stp_scaled(normal, -1.0) : normal;
         if (stp_dotd(normal, normal) > 0.5) { // neither zero nor NaN
-            return normal;
+            return (seen_normal){normal, behind};
         }
     }
-    return is_line ? view->toward : flat;
+    return (seen_normal){side, turned != part->mirrored};
 }
 
 /// Longer side of a pixel's footprint in the texture, in texels.
@@ -190,6 +204,37 @@ static bool sample(const stp_mesh* mesh, const stp_texture_use* use,
     *at = (stp_vec2){(float)u, (float)v};
     stp_texture_sample(pyramid, *at, texture_footprint(t, pyramid, uv), texel);
     return true;
+}
+
+/// The normal as the map of the material turns it, by less than a right angle.
+static stp_vec3d map_normal(const stp_capture_job* job, const current_part* part,
+                            const seen_triangle* t, const seen_normal* seen)
+{
+    const stp_material* material = &job->scene->materials[part->material];
+    const stp_texture_use* use = &material->normal_texture;
+    float texel[4], along[2][2];
+    stp_vec3 edges[2];
+    stp_vec2 at;
+    double uv[3][2];
+    if (!sample(part->mesh, use, &job->surfaces[use->texture], t, &at, texel)) {
+        return seen->normal;
+    }
+    for (int k = 0; k < 3; ++k) {
+        (void)stp_capture_texcoord(part->mesh, use, t->corner[k], uv[k]); // it was sampled
+    }
+    for (int k = 0; k < 2; ++k) {
+        edges[k] = stp_to_float(stp_subd(t->position[k + 1], t->position[0]));
+        along[k][0] = (float)(uv[k + 1][0] - uv[0][0]);
+        along[k][1] = (float)(uv[k + 1][1] - uv[0][1]);
+    }
+    stp_tangents tangents;
+    if (!stp_tangents_find(edges, (const float(*)[2])along, &tangents)) {
+        return seen->normal;
+    }
+    double sign = seen->behind ? -1.0 : 1.0;
+    stp_vec3 own = stp_to_float(stp_scaled(seen->normal, sign));
+    stp_vec3 turned = stp_normal_map_apply(&tangents, own, texel, material->normal_scale, own);
+    return stp_scaled(stp_to_double(turned), sign);
 }
 
 /// The material, or its variant that has the roughness, metal and emission there.
@@ -260,16 +305,20 @@ static void triangle_color(const stp_capture_job* job, const current_part* part,
     }
 }
 
+static void put(float* column, size_t i, stp_vec3d value)
+{
+    column[3 * i] = (float)value.x;
+    column[3 * i + 1] = (float)value.y;
+    column[3 * i + 2] = (float)value.z;
+}
+
 static void store(stp_candidates* out, size_t i, stp_vec3d position, stp_vec3d normal)
 {
-    float* p = out->positions + 3 * i;
-    p[0] = (float)position.x;
-    p[1] = (float)position.y;
-    p[2] = (float)position.z;
-    float* n = out->normals + 3 * i;
-    n[0] = (float)normal.x;
-    n[1] = (float)normal.y;
-    n[2] = (float)normal.z;
+    put(out->positions, i, position);
+    put(out->normals, i, normal);
+    if (out->light_normals != NULL) {
+        put(out->light_normals, i, normal);
+    }
 }
 
 static void resolve_point(const stp_capture_job* job, const stp_capture_view* view,
@@ -310,7 +359,12 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
     for (int k = 0; k < 3; ++k) {
         position = stp_addd(position, stp_scaled(t.position[k], t.weight[k]));
     }
-    store(out, i, position, triangle_normal(view, part, &t));
+    seen_normal seen = triangle_normal(view, part, &t);
+    store(out, i, position, seen.normal);
+    if (part->mapped) {
+        assert(out->light_normals != NULL && "a material has a normal map");
+        put(out->light_normals, i, map_normal(job, part, &t, &seen));
+    }
     out->materials[i] = triangle_material(job, part, &t);
     uint8_t* bytes = out->colors + 4 * i;
     if (part->plain) {

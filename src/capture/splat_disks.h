@@ -4,6 +4,7 @@
 #pragma once
 
 #include "base/math/math.h"
+#include "base/splats/light_normal.h"
 #include "capture/capture_internal.h"
 
 #include <assert.h>
@@ -11,10 +12,11 @@
 
 /// Entries of the colour pyramid that a prefix is drawn with (base/splats/splat_columns.h).
 typedef struct stp_set_entries {
-    size_t first;        ///< entry of splat 0 in the prefix's octave
-    size_t first_before; ///< same in the octave before
-    uint32_t before;     ///< splats that have entries there
-    float share;         ///< weight of the prefix's own octave for those
+    size_t first;                            ///< entry of splat 0 in the prefix's octave
+    size_t first_before;                     ///< same in the octave before
+    uint32_t before;                         ///< splats that have entries there
+    float share;                             ///< weight of the prefix's own octave for those
+    stp_light_normals lights, lights_before; ///< of both octaves
 } stp_set_entries;
 
 static inline stp_set_entries stp_set_entries_of(const stp_splats* splats, uint32_t prefix)
@@ -36,6 +38,8 @@ static inline stp_set_entries stp_set_entries_of(const stp_splats* splats, uint3
     look.share =
         end > look.before ? (float)(prefix - look.before) / (float)(end - look.before) : 1.0f;
     assert(prefix >= look.before && look.share <= 1.0f);
+    look.lights = stp_light_normals_of(splats, octave);
+    look.lights_before = stp_light_normals_of(splats, octave > 0 ? octave - 1 : 0);
     return look;
 }
 

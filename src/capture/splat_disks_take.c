@@ -17,16 +17,21 @@ stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t splat)
     return stp_affine_point(&placing->placement, stp_splat_place(placing->splats, splat));
 }
 
-stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t splat)
+/// Turns a unit normal of a set.
+static stp_vec3d place_normal(const stp_set_placing* placing, stp_vec3d n)
 {
-    const int8_t* code = placing->splats->normals + 2 * (size_t)splat;
-    stp_vec3d n = stp_to_double(stp_octahedral_decode(code[0], code[1]));
     const double(*m)[3] = placing->normal_matrix;
     stp_vec3d turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
                         m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
                         m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
     turned = stp_normalized(turned);
     return stp_dotd(turned, turned) > 0.5 ? turned : n; // a degenerate transform
+}
+
+stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t splat)
+{
+    const int8_t* code = placing->splats->normals + 2 * (size_t)splat;
+    return place_normal(placing, stp_to_double(stp_octahedral_decode(code[0], code[1])));
 }
 
 stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
@@ -285,6 +290,21 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_entries* look, 
     return (drawn_part){chance, solid < 1.0f};
 }
 
+// The light normal as a member of a prefix, of length 0 to 1.
+static stp_vec3d find_light(const stp_set_placing* placing, const stp_set_entries* look,
+                            uint32_t splat)
+{
+    const int8_t* own = placing->splats->normals + 2 * (size_t)splat;
+    stp_vec3d light = stp_to_double(stp_light_normal(&look->lights, own, splat));
+    if (splat < look->before && look->share < 1.0f) {
+        stp_vec3d before = stp_to_double(stp_light_normal(&look->lights_before, own, splat));
+        light = stp_addd(before, stp_scaled(stp_subd(light, before), (double)look->share));
+    }
+    double length = sqrt(stp_dotd(light, light));
+    return length > 0.0 ? stp_scaled(place_normal(placing, stp_scaled(light, 1.0 / length)), length)
+                        : light;
+}
+
 // The set of a splat. Tests `set` first.
 static size_t find_set(const stp_capture_job* job, uint64_t splat, size_t set)
 {
@@ -322,6 +342,10 @@ static void write_candidate(stp_candidates* out, size_t to, const stp_set_placin
     stp_vec3 normal = stp_to_float(stp_set_normal(placing, splat));
     memcpy(out->positions + 3 * to, &at, sizeof(at));
     memcpy(out->normals + 3 * to, &normal, sizeof(normal));
+    if (out->light_normals != NULL) {
+        stp_vec3 light = stp_to_float(find_light(placing, look, splat));
+        memcpy(out->light_normals + 3 * to, &light, sizeof(light));
+    }
     drawn_part drawn = find_colour(placing->splats, look, splat, out->colors + 4 * to);
     double own = drawn.has_holes ? stp_share_of_chance((double)drawn.area) * area.disk
                                  : (double)drawn.area * area.whole;

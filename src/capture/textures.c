@@ -119,6 +119,9 @@ stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_ma
                                     bool colors_only)
 {
     stp_result result = add_use(textures, &material->base_color_texture, false, textures->pyramids);
+    if (result == STP_OK && !colors_only) {
+        result = add_use(textures, &material->normal_texture, true, textures->surfaces);
+    }
     if (colors_only || material->look == 0) {
         return result;
     }

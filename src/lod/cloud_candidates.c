@@ -42,6 +42,9 @@ static void place_points(size_t begin, size_t end, uint32_t worker, void* user)
         size_t to = p->first + i;
         memcpy(out->positions + 3 * to, &place, sizeof(place));
         memcpy(out->normals + 3 * to, &normal, sizeof(normal));
+        if (out->light_normals != NULL) {
+            memcpy(out->light_normals + 3 * to, &normal, sizeof(normal));
+        }
         memcpy(out->colors + 4 * to, set->colors != NULL ? set->colors + 4 * i : p->base_color, 4);
         out->materials[to] = set->material;
     }
@@ -167,14 +170,26 @@ static stp_result gather_attributes(const stp_scene* scene, const stp_source_lis
     return STP_OK;
 }
 
-static stp_result allocate(stp_context* context, size_t count, stp_candidates* candidates)
+static bool has_lights(const stp_source_list* list)
+{
+    bool any = false;
+    for (size_t i = 0; i < list->set_count && !any; ++i) {
+        any = list->sets[i].splats->light_octaves != 0;
+    }
+    return any;
+}
+
+static stp_result allocate(stp_context* context, size_t count, bool lights,
+                           stp_candidates* candidates)
 {
     candidates->positions = STP_NEW_ARRAY(context, float, 3 * count);
     candidates->normals = STP_NEW_ARRAY(context, float, 3 * count);
+    candidates->light_normals = lights ? STP_NEW_ARRAY(context, float, 3 * count) : NULL;
     candidates->colors = STP_NEW_ARRAY(context, uint8_t, 4 * count);
     candidates->materials = STP_NEW_ARRAY(context, uint32_t, count);
     bool made = candidates->positions != NULL && candidates->normals != NULL &&
-                candidates->colors != NULL && candidates->materials != NULL;
+                candidates->colors != NULL && candidates->materials != NULL &&
+                (candidates->light_normals != NULL || !lights);
     return made ? STP_OK : stp_fail_memory(context);
 }
 
@@ -187,7 +202,7 @@ stp_result stp_candidates_of_cloud(const stp_scene* scene, const stp_source_list
     if (result != STP_OK || count == 0) {
         return result;
     }
-    result = allocate(scene->context, (size_t)count, candidates);
+    result = allocate(scene->context, (size_t)count, has_lights(list), candidates);
     placing p = {.scene = scene, .candidates = candidates, .has_normals = has_normals};
     for (size_t i = 0; result == STP_OK && i < list->part_count; ++i) {
         p.part = &list->parts[i];

@@ -11,6 +11,8 @@ void stp_splats_destroy(stp_context* context, stp_splats* splats)
     stp_free(context, splats->materials);
     stp_free(context, splats->colors);
     stp_free(context, splats->coverages);
+    stp_free(context, splats->turns);
+    stp_free(context, splats->spreads);
     stp_free(context, splats->shapes);
     stp_free(context, splats->ranges);
     stp_free(context, splats->errors);

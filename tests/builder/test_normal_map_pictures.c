@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of built surfaces with normal maps: triangles are lit by them, splats stay as they were.
+// Pictures of built surfaces with normal maps: triangles and splats are lit by them, and disks lie as
+// without them.
 #include "support_level_scenes.h"
 #include "tests.h"
 
@@ -9,10 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CELLS = 120, SIDE = 96, TEXELS = 64 };
+enum { CELLS = 120, SIDE = 96, TEXELS = 64, WAVES = 4 };
 
-/// A map of four quadrants: tilted up and right, up and left, down and right, down and left.
-static bool add_map(stp_scene* scene, uint32_t* index)
+typedef enum map_kind {
+    MAP_NONE,
+    MAP_QUADRANTS, ///< tilted up and right, up and left, down and right, down and left
+    MAP_WAVES,     ///< waves along u
+} map_kind;
+
+static bool add_map(stp_scene* scene, map_kind kind, uint32_t* index)
 {
     stp_texture texture = {.width = TEXELS, .height = TEXELS};
     texture.wrap_u = texture.wrap_v = STP_WRAP_CLAMP;
@@ -23,13 +29,16 @@ static bool add_map(stp_scene* scene, uint32_t* index)
     for (uint32_t i = 0; i < TEXELS * TEXELS; ++i) {
         bool left = i % TEXELS < TEXELS / 2, above = i / TEXELS < TEXELS / 2;
         const uint8_t tilted[4] = {left ? 176 : 80, above ? 176 : 80, 220, 255};
-        memcpy(texture.texels + 4 * (size_t)i, tilted, 4);
+        double turn = 6.283185307 * WAVES / TEXELS, lean = 0.8 * sin(turn * (i % TEXELS + 0.5));
+        const uint8_t wave[4] = {(uint8_t)(127.5 + 127.5 * lean), 128,
+                                 (uint8_t)(127.5 + 127.5 * sqrt(1.0 - lean * lean)), 255};
+        memcpy(texture.texels + 4 * (size_t)i, kind == MAP_WAVES ? wave : tilted, 4);
     }
     return stp_scene_add_texture(scene, &texture, index) == STP_OK;
 }
 
 /// A white sheet from -1 to 1 in the plane z = 0, facing +z; the map's first row is at the top.
-static bool add_sheet(stp_scene* scene, bool mapped)
+static bool add_sheet(stp_scene* scene, map_kind map)
 {
     stp_material m = stp_material_default();
     stp_mesh mesh = {.vertex_count = (CELLS + 1) * (CELLS + 1),
@@ -40,7 +49,7 @@ static bool add_sheet(stp_scene* scene, bool mapped)
     m.metallic = 0.0f;
     m.front_only = true;
     if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL ||
-        (mapped && !add_map(scene, &m.normal_texture.texture)) ||
+        (map != MAP_NONE && !add_map(scene, map, &m.normal_texture.texture)) ||
         stp_scene_add_material(scene, &m, &mesh.material) != STP_OK) {
         return false;
     }
@@ -65,16 +74,21 @@ static bool add_sheet(stp_scene* scene, bool mapped)
 
 static bool make_plain(stp_scene* scene)
 {
-    return add_sheet(scene, false);
+    return add_sheet(scene, MAP_NONE);
 }
 
 static bool make_mapped(stp_scene* scene)
 {
-    return add_sheet(scene, true);
+    return add_sheet(scene, MAP_QUADRANTS);
 }
 
-/// Draws the triangles. @return covered pixels; 0: it failed
-static uint64_t draw(stp_context* context, stp_store* store, uint8_t* pixels)
+static bool make_wavy(stp_scene* scene)
+{
+    return add_sheet(scene, MAP_WAVES);
+}
+
+/// Draws the triangles, or splats of this size. @return covered pixels; 0: it failed
+static uint64_t draw_size(stp_context* context, stp_store* store, float splat_size, uint8_t* pixels)
 {
     stp_renderer* renderer = NULL;
     stp_draw_list list = {0};
@@ -82,13 +96,19 @@ static uint64_t draw(stp_context* context, stp_store* store, uint8_t* pixels)
     stp_image image = {SIDE, SIDE, pixels};
     const stp_view view = {
         .eye = {0, 0, 5}, .up = {0, 1, 0}, .fov_degrees = 24, .width = SIDE, .height = SIDE};
-    const stp_quality quality = {.splat_size = 1, .reference = true};
+    const stp_quality quality = {
+        .splat_size = splat_size, .reference = splat_size < 1.0f, .splats_only = true};
     bool drawn = stp_draw_cpu_create(context, store, &renderer) == STP_OK &&
                  stp_renderer_draw_selected(renderer, &view, &quality, &(stp_draw_style){0}, &list,
                                             &image, &stats) == STP_OK;
     stp_draw_list_destroy(context, &list);
     stp_renderer_destroy(renderer);
     return drawn ? stats.covered_pixels : 0;
+}
+
+static uint64_t draw(stp_context* context, stp_store* store, uint8_t* pixels)
+{
+    return draw_size(context, store, 0.0f, pixels);
 }
 
 /// Mean green value of a quarter of the picture, away from its border.
@@ -127,6 +147,38 @@ void test_normal_maps_light_triangles(test_state* test)
     stp_context_destroy(context);
 }
 
+/// Mean difference of green values, away from the border.
+static double find_difference(const uint8_t* a, const uint8_t* b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 80 * 80; ++i) {
+        int at = 4 * ((i / 80 + 8) * SIDE + i % 80 + 8) + 1;
+        sum += abs(a[at] - b[at]);
+    }
+    return sum / (80.0 * 80.0);
+}
+
+void test_normal_maps_light_splats(test_state* test)
+{
+    static uint8_t triangles[4 * SIDE * SIDE], lit[4 * SIDE * SIDE], plain[4 * SIDE * SIDE];
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_store* mapped =
+        level_build_open(context, &(level_build){.make = make_wavy, .no_levels = true});
+    stp_store* own =
+        level_build_open(context, &(level_build){.make = make_plain, .no_levels = true});
+    CHECK(mapped != NULL && own != NULL && draw(context, mapped, triangles) > 0);
+    for (float size = 2.0f; size <= 4.0f; size += 1.0f) {
+        uint64_t covered = draw_size(context, mapped, size, lit);
+        CHECK(covered > 0);
+        CHECK_EQUAL(draw_size(context, own, size, plain), covered); // no more holes
+        double before = find_difference(plain, triangles), now = find_difference(lit, triangles);
+        CHECK(before > 15.0 && now < 0.4 * before);
+    }
+    stp_store_close(mapped);
+    stp_store_close(own);
+    stp_context_destroy(context);
+}
+
 /// Disks lie across their normals: turned ones would leave holes.
 void test_normal_maps_do_not_turn_splats(test_state* test)
 {
@@ -143,6 +195,7 @@ void test_normal_maps_do_not_turn_splats(test_state* test)
     CHECK_EQUAL(sets[0].count, sets[1].count);
     CHECK(memcmp(sets[0].positions, sets[1].positions, 6 * (size_t)sets[0].count) == 0);
     CHECK(memcmp(sets[0].normals, sets[1].normals, 2 * (size_t)sets[0].count) == 0);
+    CHECK(sets[0].light_octaves == 0 && sets[1].light_octaves != 0);
     stp_store_close(stores[0]);
     stp_store_close(stores[1]);
     stp_context_destroy(context);

@@ -87,6 +87,8 @@ void made_free_set(stp_context* context, stp_splats* s)
     stp_free(context, s->materials);
     stp_free(context, s->colors);
     stp_free(context, s->coverages);
+    stp_free(context, s->turns);
+    stp_free(context, s->spreads);
 }
 
 void made_one_node(made_scene* s, const stp_store_mesh* mesh, const stp_splats* set)

@@ -39,6 +39,7 @@ static void make_surface(stp_cpu_shade_surface* s, int number, dice* rng)
         s->color[k] = unit(rng);
         s->normal[k] = number == 0 ? 0.0f : 2.0f * unit(rng) - 1.0f;
     }
+    s->normal[3] = number % 3 == 0 ? 0.0f : number % 3 == 1 ? unit(rng) : 1.0f - unit(rng) * 0.1f;
     s->material = stp_cpu_make_shade_material(unit(rng), unit(rng), emissive, number % 4 == 1);
 }
 
@@ -100,14 +101,40 @@ static void mirror_one(const stp_lighting* light, stp_vec3 r, float rough, float
 
 /// The key light's highlight.
 static float gloss_one(const stp_lighting* light, stp_vec3 eye, float toward, float facing,
-                       const stp_cpu_shade_material* m)
+                       float variance, const stp_cpu_shade_material* m)
 {
+    float a2 = stp_min(m->a2 + SPREAD_GLOSS * variance, 1.0f);
+    float size = variance > 0.0f ? 1.0f / (4.0f * a2 + 0.2f) : m->gloss;
     float square = 2.0f + 2.0f * stp_dot(eye, light->key);
     float along = stp_max(toward + facing, 0.0f);
     float squared = square > 0.0f ? along * along / square : 0.0f;
-    float d = squared * (m->a2 - 1.0f) + 1.0f;
-    return stp_max(toward, 0.0f) * stp_min(m->a2 / (d * d) * m->gloss, LIGHT_GLOSS_MAX) *
+    float d = squared * (a2 - 1.0f) + 1.0f;
+    return stp_max(toward, 0.0f) * stp_min(a2 / (d * d) * size, LIGHT_GLOSS_MAX) *
            (1.0f - m->rough);
+}
+
+/// Diffuse light of normals about n, whose mean has this length.
+static void diffuse_one(const stp_lighting* light, stp_vec3 n, stp_vec3 eye, float facing,
+                        float length, float out[3])
+{
+    static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
+    static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
+    static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
+    float variance = 1.0f - length * length, to_eye = (1.0f - length) * SPREAD_TO_EYE;
+    float toward = length * stp_dot(n, light->key) + to_eye * stp_dot(eye, light->key);
+    float lambert = 0.5f * (toward + sqrtf(toward * toward + SPREAD_LAMBERT * variance));
+    float height =
+        0.5f + 0.5f * (length * stp_dot(n, light->up) + to_eye * stp_dot(eye, light->up));
+    float fill =
+        LIGHT_FILL * facing * facing * (length * length) + LIGHT_FILL * SPREAD_FILL * variance;
+    for (int k = 0; k < 3; ++k) {
+        out[k] = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
+        if (!(variance > 0.0f)) { // the light of n itself
+            float own = ground[k] + (sky[k] - ground[k]) * (0.5f + 0.5f * stp_dot(n, light->up));
+            own += key[k] * stp_max(stp_dot(n, light->key), 0.0f);
+            out[k] = own + LIGHT_FILL * facing * facing;
+        }
+    }
 }
 
 static stp_vec3 find_eye(const stp_cpu_shade_scene* scene, float x, float y)
@@ -124,10 +151,8 @@ static stp_vec3 find_eye(const stp_cpu_shade_scene* scene, float x, float y)
 static void light_one(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surface* s, float x,
                       float y, float out[3])
 {
-    static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
-    static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
-    static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
     const stp_cpu_shade_material* m = &s->material;
+    float length = 1.0f - s->normal[3], variance = 1.0f - length * length, diffuse[3];
     stp_vec3 n = unit_or_zero((stp_vec3){s->normal[0], s->normal[1], s->normal[2]});
     stp_vec3 eye = find_eye(scene, x, y);
     float facing = stp_dot(n, eye), mirrored[3];
@@ -135,19 +160,18 @@ static void light_one(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surf
         n = stp_scale(n, -1.0f);
         facing = -facing;
     }
-    mirror_one(&scene->light, stp_sub(stp_scale(n, 2.0f * facing), eye), m->rough, mirrored);
-    float toward = stp_dot(n, scene->light.key), lambert = stp_max(toward, 0.0f);
-    float gloss = gloss_one(&scene->light, eye, toward, facing, m);
-    float height = 0.5f + 0.5f * stp_dot(n, scene->light.up);
+    mirror_one(&scene->light, stp_sub(stp_scale(n, 2.0f * facing), eye),
+               stp_min(m->rough + variance, 1.0f), mirrored);
+    float toward = stp_dot(n, scene->light.key);
+    float gloss = gloss_one(&scene->light, eye, toward, facing, variance, m);
+    diffuse_one(&scene->light, n, eye, facing, length, diffuse);
     float aside = 1.0f - facing, polish = 1.0f - m->rough, square = aside * aside;
     float edge = square * square * aside * polish * polish * LIGHT_GRAZING;
     for (int k = 0; k < 3; ++k) {
-        float diffuse = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert +
-                        LIGHT_FILL * facing * facing;
         float front = LIGHT_DIELECTRIC + (s->color[k] - LIGHT_DIELECTRIC) * m->metallic;
         float mirror = front + (1.0f - front) * edge;
-        float seen = mirrored[k] + (diffuse - mirrored[k]) * m->rough;
-        out[k] = s->color[k] * (1.0f - m->metallic) * diffuse + mirror * seen + front * gloss +
+        float seen = mirrored[k] + (diffuse[k] - mirrored[k]) * m->rough;
+        out[k] = s->color[k] * (1.0f - m->metallic) * diffuse[k] + mirror * seen + front * gloss +
                  m->emissive[k];
         out[k] = m->unlit > 0.0f ? s->color[k] + m->emissive[k] : out[k];
     }

@@ -2,6 +2,7 @@
 #include "support_chunks.h"
 
 #include "base/math/rng.h"
+#include "base/splats/light_normal.h"
 
 #include <assert.h>
 #include <string.h>
@@ -58,6 +59,21 @@ static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint
     return true;
 }
 
+/// Gives light normals to all octaves but the second.
+static bool add_lights(stp_arena* arena, uint64_t seed, stp_splats* set)
+{
+    set->light_octaves = ((1u << set->octave_count) - 1) & ~2u;
+    size_t entries = (size_t)stp_light_normals_begin(set, set->octave_count);
+    set->turns = stp_arena_alloc(arena, 2 * entries);
+    set->spreads = stp_arena_alloc(arena, entries);
+    if (set->turns == NULL || set->spreads == NULL) {
+        return false;
+    }
+    fill(seed + 8, set->turns, 2 * entries, 9);
+    fill(seed + 9, set->spreads, entries, 60);
+    return true;
+}
+
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
 {
     static const uint32_t ends[CHUNK_SAMPLE_SETS][4] = {
@@ -67,6 +83,9 @@ bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
     for (uint32_t i = 0; i < CHUNK_SAMPLE_SETS; ++i) {
         if (!make_set(arena, seed == 0 ? 0 : 10 * seed + 100 * i, ends[i], 4, columns,
                       &made->sets[i])) {
+            return false;
+        }
+        if (columns == 0 && seed != 0 && !add_lights(arena, seed, &made->sets[i])) {
             return false;
         }
     }
@@ -94,7 +113,11 @@ bool chunk_sample_is_same(const stp_splats* a, const stp_splats* b)
         bool flat = (a->columns & STP_SPLATS_FLAT_COLORS) != 0;
         entries = flat ? a->octave_ends[k] : entries + a->octave_ends[k];
     }
-    return a->count == b->count && a->octave_count == b->octave_count &&
+    size_t lights = (size_t)stp_light_normals_begin(a, a->octave_count);
+    return a->count == b->count && a->light_octaves == b->light_octaves &&
+           (lights == 0 || (memcmp(a->turns, b->turns, 2 * lights) == 0 &&
+                            memcmp(a->spreads, b->spreads, lights) == 0)) &&
+           a->octave_count == b->octave_count &&
            memcmp(a->octave_ends, b->octave_ends, sizeof(a->octave_ends)) == 0 &&
            memcmp(a->positions, b->positions, 6 * (size_t)a->count) == 0 &&
            memcmp(a->normals, b->normals, 2 * (size_t)a->count) == 0 &&

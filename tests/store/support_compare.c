@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_sample.h"
 
+#include "base/splats/light_normal.h"
 #include "store/clusters/clusters.h"
 
 #include <stdio.h>
@@ -172,7 +173,11 @@ static bool same_splats(const stp_splats* a, stp_store* store, uint32_t index)
                          a->step,     a->candidate_radius, a->paper_radius};
     float scalars_b[] = {b.origin.x, b.origin.y,         b.origin.z,
                          b.step,     b.candidate_radius, b.paper_radius};
-    return n == b.count && a->columns == b.columns && a->octave_count == b.octave_count &&
+    size_t lights = (size_t)stp_light_normals_begin(a, a->octave_count);
+    return n == b.count && a->light_octaves == b.light_octaves &&
+           (lights == 0 || (same_bytes(a->turns, b.turns, 2 * lights) &&
+                            same_bytes(a->spreads, b.spreads, lights))) &&
+           a->columns == b.columns && a->octave_count == b.octave_count &&
            a->paper_count == b.paper_count &&
            memcmp(scalars_a, scalars_b, sizeof(scalars_a)) == 0 &&
            memcmp(a->octave_ends, b.octave_ends, sizeof(a->octave_ends)) == 0 &&

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support_expected.h"
 
+#include "base/splats/light_normal.h"
+
 #include <stdio.h>
 #include <zlib.h>
 
@@ -262,6 +264,11 @@ static json_t* expected_splat_sets(const stp_store_content* content)
             if (s->errors != NULL) {
                 json_object_set_new(columns, "errors", json_integer(crc(s->errors, 4 * n)));
             }
+            size_t lights = (size_t)stp_light_normals_begin(s, s->octave_count);
+            if (lights > 0) {
+                json_object_set_new(columns, "turns", json_integer(crc(s->turns, 2 * lights)));
+                json_object_set_new(columns, "spreads", json_integer(crc(s->spreads, lights)));
+            }
         }
         json_t* set = json_pack("{s:I s:f s:o s:o s:o s:I s:f s:f}", "count", (json_int_t)n, "step",
                                 (double)s->step, "origin", triple(stp_to_double(s->origin)),
@@ -367,6 +374,15 @@ static void add_levels(json_t* json, const stp_store_directory* d)
     (void)json_object_set_new(json, "level_groups", groups);
 }
 
+static int expected_minor(const stp_store_content* content)
+{
+    int minor = content->directory.level_count != 0 ? 3 : 2;
+    for (uint32_t i = 0; i < content->directory.set_count; ++i) {
+        minor = content->sets[i].light_octaves != 0 ? 6 : minor;
+    }
+    return minor;
+}
+
 json_t* sample_expected_json(const stp_store_content* content, const stp_store_summary* summary)
 {
     json_t* head = expected_figures(&summary->figures);
@@ -377,7 +393,7 @@ json_t* sample_expected_json(const stp_store_content* content, const stp_store_s
     char up[2] = {d->up, '\0'};
     json_t* json = json_pack(
         "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o s:o}",
-        "version", 1, d->level_count != 0 ? 3 : 2, "root", (json_int_t)d->root, "unit_metres",
+        "version", 1, expected_minor(content), "root", (json_int_t)d->root, "unit_metres",
         d->unit_metres, "up", up, "build", text(d->build_json), "nodes", expected_nodes(d), "edges",
         expected_edges(d), "objects", expected_objects(d), "materials", expected_materials(d),
         "meshes", expected_meshes(content), "point_sets", expected_points(content), "textures",

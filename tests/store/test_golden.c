@@ -40,30 +40,37 @@ void test_store_writes_samples_for_another_reader(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_writes_chunks_for_another_reader(test_state* test)
+/// Writes a sample of chunks to NAME-KIND.stip, and what it holds to NAME-KIND.json.
+static void write_chunks(test_state* test, uint64_t seed, const char* name, const char* kind)
 {
-    const char* name = getenv("STP_STORE_SAMPLE");
-    if (name == NULL) {
-        SKIP("STP_STORE_SAMPLE is not set");
-    }
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     char path[512];
     stp_arena arena = stp_arena_create(context, 1 << 20);
     chunk_sample made;
     stp_store* store = NULL;
-    CHECK(chunk_sample_make(&arena, 5, &made));
-    snprintf(path, sizeof(path), "%s-chunks.stip", name);
+    CHECK(chunk_sample_make(&arena, seed, &made));
+    snprintf(path, sizeof(path), "%s-%s.stip", name, kind);
     CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     json_t* expected = sample_expected_json(&made.content, stp_store_get_summary(store));
     stp_store_close(store);
     CHECK(expected != NULL);
-    snprintf(path, sizeof(path), "%s-chunks.json", name);
+    snprintf(path, sizeof(path), "%s-%s.json", name, kind);
     CHECK_EQUAL(0, json_dump_file(expected, path, JSON_INDENT(1) | JSON_REAL_PRECISION(17)));
     json_decref(expected);
     stp_arena_destroy(&arena);
     stp_context_destroy(context);
+}
+
+void test_store_writes_chunks_for_another_reader(test_state* test)
+{
+    const char* name = getenv("STP_STORE_SAMPLE");
+    if (name == NULL) {
+        SKIP("STP_STORE_SAMPLE is not set");
+    }
+    write_chunks(test, 5, name, "chunks");
+    write_chunks(test, 6, name, "lit"); // with light normals
 }
 
 void test_store_still_opens_version_1(test_state* test)

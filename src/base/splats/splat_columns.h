@@ -103,7 +103,7 @@ enum {
 };
 
 /// The splats of a node, of any method, in order. Surfels of `blue` take 12 bytes each (position 6,
-/// normal 2, colour 3, material 1), about 14.4 with pyramids.
+/// normal 2, colour 3, material 1), about 14.4 with pyramids, at most 18.4 with light normals.
 typedef struct stp_splats {
     uint32_t count;
     stp_vec3 origin;     ///< origin of the position grid, in the node's space
@@ -119,6 +119,11 @@ typedef struct stp_splats {
     /// 1 per entry, same layout: share of the disk that is drawn (src/base/splats/coverage.h); 255:
     /// all
     uint8_t* coverages;
+    /// Octaves with light normals (src/base/splats/light_normal.h), one bit each, lowest first; 0
+    /// without a pyramid. They have an entry for each splat of the octave's prefix, octave 0 first.
+    uint32_t light_octaves;
+    int8_t* turns;           ///< NULL, or 2 per entry: by how much the normal's code differs
+    uint8_t* spreads;        ///< NULL, or 1 per entry: 1 less the length of the mean normal; 255: 1
     uint32_t columns;        ///< STP_SPLATS_*
     uint32_t* shapes;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)
     uint32_t* ranges;        ///< NULL, or 1 per splat (src/base/splats/splat_codes.h)

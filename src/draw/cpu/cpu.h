@@ -11,6 +11,7 @@
 #include "base/core/arena.h"
 #include "base/core/jobs.h"
 #include "base/io/hash.h"
+#include "base/splats/light_normal.h"
 #include "draw/caps.h"
 #include "draw/facing.h"
 #include "draw/placement.h"
@@ -76,6 +77,7 @@ typedef struct stp_cpu_item {
     const uint8_t* colors;     ///< colours of the prefix's octave, 3 bytes per splat
     const uint8_t* low_colors; ///< colours of the previous octave, for the first `low_count`
     const uint8_t *coverages, *low_coverages;
+    stp_light_normals lights, low_lights;
     uint32_t low_count;
     float blend;           ///< weight of `colors` for the first `low_count`
     stp_store_mesh mesh;   ///< mesh of columns, or

@@ -36,7 +36,7 @@ void stp_cpu_place_items(stp_cpu_renderer* r, const stp_draw_list* list, size_t 
     r->placed = r->eye;
 }
 
-/// Colours of a prefix's octave, and of the previous octave.
+/// Colours and light of a prefix's octave, and of the previous octave.
 static void choose_octave(stp_cpu_item* item, const stp_splats* splats, uint32_t prefix)
 {
     stp_octave_choice choice = stp_placement_choose_octave(splats, prefix);
@@ -47,6 +47,8 @@ static void choose_octave(stp_cpu_item* item, const stp_splats* splats, uint32_t
     item->low_colors = splats->colors + 3 * low_first;
     item->coverages = splats->coverages != NULL ? splats->coverages + first : NULL;
     item->low_coverages = splats->coverages != NULL ? splats->coverages + low_first : NULL;
+    item->lights = stp_light_normals_of(splats, choice.octave);
+    item->low_lights = stp_light_normals_of(splats, lower);
     item->low_count = choice.low_count;
     item->blend = choice.blend;
 }

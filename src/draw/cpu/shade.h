@@ -41,10 +41,12 @@ struct stp_cpu_shade_material {
     float unlit; ///< 1 or 0
 };
 
-/// A surface to light: sixteen floats; the normal's fourth is padding.
+/// A surface to light: sixteen floats.
 typedef struct stp_cpu_shade_surface {
-    float color[4];  ///< linear, and opacity
-    float normal[4]; ///< scene space, any length; zero: none
+    float color[4]; ///< linear, and opacity
+    /// Scene space, any length; zero: none. The fourth is how far the normals of what it stands for
+    /// are spread: 1 less the length of their mean; 0: not at all
+    float normal[4];
     stp_cpu_shade_material material;
 } stp_cpu_shade_surface;
 
@@ -64,6 +66,7 @@ struct stp_cpu_shade_item {
     stp_draw_kind kind;
     const uint8_t *colors, *low_colors, *materials;
     const int8_t* normals;
+    stp_light_normals lights, low_lights; ///< without turns: the normals
 };
 
 /// Light and eye.

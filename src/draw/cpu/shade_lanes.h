@@ -106,33 +106,57 @@ static inline void mirror_lanes(const stp_lighting* light, const lanes_float r[3
     }
 }
 
-/// The key light's highlight: the distribution of Trowbridge and Reitz, bounded.
+/// The key light's highlight: the distribution of Trowbridge and Reitz, bounded; wider where normals
+/// have a variance (Toksvig 2005).
 static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_float eye[3],
-                                      lanes_float toward, lanes_float facing,
+                                      lanes_float toward, lanes_float facing, lanes_float variance,
                                       const lanes_float material[8])
 {
-    lanes_float a2 = material[2];
+    lanes_float a2 = minimum(material[2] + SPREAD_GLOSS * variance, spread(1.0f));
+    lanes_float size = lanes_select(variance > 0.0f, 1.0f / (4.0f * a2 + 0.2f), material[3]);
     // square of the sum of the unit vectors to light and eye, which points halfway between them:
     // 2 + 2 light . eye
     lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
     lanes_float along = maximum(toward + facing, spread(0.0f));
     lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
     lanes_float d = squared * (a2 - 1.0f) + 1.0f;
-    lanes_float bounded = minimum(a2 / (d * d) * material[3], spread(LIGHT_GLOSS_MAX));
+    lanes_float bounded = minimum(a2 / (d * d) * size, spread(LIGHT_GLOSS_MAX));
     return maximum(toward, spread(0.0f)) * bounded * (1.0f - material[1]);
 }
 
-/// Light from key, sky and ground, and reflections. Visible surfaces face the eye. A surface that
-/// is not polished reflects as much light as falls on it.
-static inline void light_lanes(const stp_lighting* light, const lanes_float eye[3],
-                               lanes_float n[3], const lanes_float color[3],
-                               const lanes_float material[8], lanes_float out[3])
+/// Diffuse light for each channel: the mean over normals about n. With their mean of this length,
+/// those of the visible side lean towards the eye; the mean of a clamped cosine is a soft clamp of
+/// the mean cosine. Without a variance, it is the light of n, to the bit.
+static inline void diffuse_lanes(const stp_lighting* light, const lanes_float eye[3],
+                                 const lanes_float n[3], lanes_float facing, lanes_float length,
+                                 lanes_float variance, lanes_float out[3])
 {
     static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
     static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
     static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
-    lanes_float metallic = material[0], rough = material[1], r[3], mirrored[3];
+    lanes_float to_eye = (1.0f - length) * SPREAD_TO_EYE;
+    lanes_float toward = length * dot_with(n, light->key) + to_eye * dot_with(eye, light->key);
+    lanes_float soft = lanes_root(toward * toward + SPREAD_LAMBERT * variance);
+    lanes_float lambert = 0.5f * (toward + soft);
+    lanes_float up = length * dot_with(n, light->up) + to_eye * dot_with(eye, light->up);
+    lanes_float height = 0.5f + 0.5f * up;
+    lanes_float fill =
+        LIGHT_FILL * facing * facing * (length * length) + LIGHT_FILL * SPREAD_FILL * variance;
+    for (int k = 0; k < 3; ++k) {
+        out[k] = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
+    }
+}
+
+/// Light from key, sky and ground, and reflections. Visible surfaces face the eye. A surface that
+/// is not polished reflects as much light as falls on it.
+/// @param apart 1 less the length of the mean of the normals about n
+static inline void light_lanes(const stp_lighting* light, const lanes_float eye[3],
+                               lanes_float n[3], lanes_float apart, const lanes_float color[3],
+                               const lanes_float material[8], lanes_float out[3])
+{
+    lanes_float metallic = material[0], rough = material[1], r[3], mirrored[3], diffuse[3];
     lanes_float facing = dot(n, eye);
+    lanes_float length = 1.0f - apart, variance = 1.0f - length * length;
     lanes_int turned = facing < 0.0f;
     for (int k = 0; k < 3; ++k) {
         n[k] = lanes_select(turned, n[k] * -1.0f, n[k]);
@@ -141,20 +165,19 @@ static inline void light_lanes(const stp_lighting* light, const lanes_float eye[
     for (int k = 0; k < 3; ++k) {
         r[k] = 2.0f * facing * n[k] - eye[k];
     }
-    mirror_lanes(light, r, rough, mirrored);
-    lanes_float toward = dot_with(n, light->key), lambert = maximum(toward, spread(0.0f));
-    lanes_float gloss = gloss_lanes(light, eye, toward, facing, material);
-    lanes_float height = 0.5f + 0.5f * dot_with(n, light->up), fill = LIGHT_FILL * facing * facing;
+    mirror_lanes(light, r, minimum(rough + variance, spread(1.0f)), mirrored);
+    lanes_float gloss =
+        gloss_lanes(light, eye, dot_with(n, light->key), facing, variance, material);
+    diffuse_lanes(light, eye, n, facing, length, variance, diffuse);
     lanes_float aside = 1.0f - facing, polish = 1.0f - rough, square = aside * aside;
     lanes_float edge = square * square * aside * polish * polish * LIGHT_GRAZING;
     lanes_int unlit = material[7] > 0.0f;
     for (int k = 0; k < 3; ++k) {
-        lanes_float diffuse = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
         lanes_float front = LIGHT_DIELECTRIC + (color[k] - LIGHT_DIELECTRIC) * metallic;
         lanes_float mirror = front + (1.0f - front) * edge;
-        lanes_float seen = mirrored[k] + (diffuse - mirrored[k]) * rough;
-        lanes_float lit = color[k] * (1.0f - metallic) * diffuse + mirror * seen + front * gloss +
-                          material[4 + k];
+        lanes_float seen = mirrored[k] + (diffuse[k] - mirrored[k]) * rough;
+        lanes_float lit = color[k] * (1.0f - metallic) * diffuse[k] + mirror * seen +
+                          front * gloss + material[4 + k];
         out[k] = lanes_select(unlit, color[k] + material[4 + k], lit);
     }
 }
@@ -177,7 +200,7 @@ static void light_all(const stp_cpu_shade_scene* scene, const stp_cpu_shade_surf
         lanes_turn(surfaces, lanes->surface + at, field);
         normalize(field + 4);
         direct_to_eye(scene, load_float(lanes->x + at), load_float(lanes->y + at), eye);
-        light_lanes(&scene->light, eye, field + 4, field, field + 8, out);
+        light_lanes(&scene->light, eye, field + 4, field[7], field, field + 8, out);
         lanes_int bytes = spread_int(INT32_MIN / 128); // alpha 255
         for (int k = 0; k < 3; ++k) {
             bytes |= encode_lanes(scene, out[k]) << (8 * k);

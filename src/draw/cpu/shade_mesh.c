@@ -289,6 +289,7 @@ static void make_flat(const stp_cpu_renderer* r, const stp_cpu_item* item,
 {
     four turned = turn(shade, normal);
     memcpy(surface->normal, &turned, sizeof(turned));
+    surface->normal[3] = 0.0f;
     surface->material = r->shade_materials[shade->material];
     for (int k = 0; k < 4; ++k) {
         float factor = vertex_color != NULL ? vertex_color[k] : 1.0f;
@@ -427,6 +428,7 @@ void stp_cpu_make_pixel_surfaces(const stp_cpu_renderer* r, stp_cpu_shade_memory
         out->material = surface->material;
         memcpy(out->color, &color, sizeof(color));
         memcpy(out->normal, &normal, sizeof(normal));
+        out->normal[3] = 0.0f;
         if (textured != NULL) {
             const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
             float size = pixel_size_at(r, item, near.factor * nearness[i] + near.shift);

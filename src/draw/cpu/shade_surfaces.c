@@ -67,6 +67,30 @@ static void turn_code(const stp_cpu_shade_item* item, const int8_t* code, float 
     turn(item, u, v, z, out);
 }
 
+/// Direction and spread of the normals of what a splat stands for. Between octaves, means are mixed
+/// with their lengths.
+static void find_light(const stp_cpu_shade_item* item, size_t index, float out[4])
+{
+    const int8_t* own = item->normals + 2 * index;
+    out[3] = 0.0f;
+    if (item->lights.turns == NULL && item->low_lights.turns == NULL) {
+        turn_code(item, own, out);
+        return;
+    }
+    stp_vec3 mean = stp_light_normal(&item->lights, own, index);
+    if (index < item->low_count) {
+        stp_vec3 low = stp_light_normal(&item->low_lights, own, index);
+        mean = stp_add(low, stp_scale(stp_sub(mean, low), item->blend));
+    }
+    float square = stp_dot(mean, mean);
+    out[3] = 1.0f - stp_min(sqrtf(square), 1.0f);
+    if (square > 0.0f) {
+        turn(item, mean.x, mean.y, mean.z, out);
+    } else {
+        turn_code(item, own, out);
+    }
+}
+
 /// Opacity of a transparent splat.
 static float stp_cpu_find_opacity(const stp_cpu_renderer* r, const stp_cpu_shade_item* shade,
                                   uint32_t index)
@@ -98,7 +122,7 @@ static void make_splat_surface(const stp_cpu_renderer* r, const stp_cpu_shade_it
             surface->color[k] = before + (surface->color[k] - before) * item->blend;
         }
     }
-    turn_code(item, item->normals + 2 * (size_t)index, surface->normal);
+    find_light(item, index, surface->normal);
     surface->material = r->shade_materials[item->materials[index]];
     if (r->layers.stage == CPU_LAYERS_PEEL) {
         surface->color[3] = stp_cpu_find_opacity(r, item, index);
@@ -120,6 +144,7 @@ static void make_point(const stp_cpu_renderer* r, uint32_t slot, uint32_t index,
         normal = stp_cpu_decode_normal(points->normals + 2 * (size_t)index);
     }
     turn(&r->shade_items[slot], normal.x, normal.y, normal.z, surface->normal);
+    surface->normal[3] = 0.0f;
     surface->material = r->shade_materials[r->shade_items[slot].material];
 }
 
@@ -139,6 +164,10 @@ static void prefetch_splat(const stp_cpu_shade_item* item, size_t index)
     __builtin_prefetch(item->colors + 3 * index);
     __builtin_prefetch(item->normals + 2 * index);
     __builtin_prefetch(item->materials + index);
+    if (item->lights.turns != NULL) {
+        __builtin_prefetch(item->lights.turns + 2 * index);
+        __builtin_prefetch(item->lights.spreads + index);
+    }
     if (index < item->low_count) {
         __builtin_prefetch(item->low_colors + 3 * index);
     }

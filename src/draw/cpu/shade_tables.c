@@ -74,6 +74,10 @@ static stp_cpu_shade_item make_item(const stp_cpu_renderer* r, const stp_cpu_ite
         made.low_colors = item->low_colors;
         made.low_count = item->blend < 1.0f ? item->low_count : 0;
         made.normals = item->splats.normals;
+        made.lights = item->lights;
+        if (made.low_count > 0) {
+            made.low_lights = item->low_lights;
+        }
         made.materials = item->splats.materials;
     } else {
         uint32_t number = (uint32_t)(item->material - r->directory->materials);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "base/splats/light_normal.h"
 #include "base/splats/prefix_table.h"
 #include "base/splats/progressive.h"
 #include "base/splats/splat_codes.h"
@@ -165,6 +166,12 @@ static stp_result cut_shorter_prefix(stp_gl_renderer* r, const stp_draw_item* dr
     return STP_OK;
 }
 
+/// Address of an octave's light normals, behind its colours; NO_ADDRESS: none.
+static uint32_t find_lights(const stp_splats* known, uint32_t octave, uint32_t colors)
+{
+    return stp_has_light_normals(known, octave) ? colors + known->octave_ends[octave] : NO_ADDRESS;
+}
+
 /// Sets colours and splat size of an item, and limits its prefix to the drawn part.
 static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octaves* octaves,
                              uint32_t* prefix)
@@ -195,11 +202,14 @@ static stp_result begin_item(stp_gl_renderer* r, uint32_t index, const set_octav
     assert(*prefix <= maximum && "resident, with colours");
     item->count = *prefix;
     item->colors = stp_gl_address(r, stp_gl_octave_entry(r, draw->index, choice.octave, true));
+    item->lights = find_lights(known, choice.octave, item->colors);
+    item->low_lights = NO_ADDRESS;
     item->blend = choice.blend;
     if (choice.blend < 1.0f && choice.low_count > 0) {
         item->low_count = choice.low_count;
         item->low_colors =
             stp_gl_address(r, stp_gl_octave_entry(r, draw->index, choice.octave - 1, true));
+        item->low_lights = find_lights(known, choice.octave - 1, item->low_colors);
     }
     return STP_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "base/core/context.h"
 #include "base/splats/coverage.h"
+#include "base/splats/light_normal.h"
 #include "base/splats/splat_codes.h"
 #include "raster/cutout.h"
 #include "store/bytes/columns.h"
@@ -185,6 +186,18 @@ static void write_colors(const stp_splats* splats, uint64_t begin, uint32_t coun
     }
 }
 
+/// Writes turns and spread of each splat, if the octave has them.
+static void write_lights(const stp_splats* splats, uint32_t octave, uint32_t count,
+                         stp_gl_writer* w)
+{
+    stp_light_normals lights = stp_light_normals_of(splats, octave);
+    for (size_t i = 0; lights.turns != NULL && i < count; ++i) {
+        const uint8_t* turn = (const uint8_t*)lights.turns + 2 * i;
+        stp_gl_write(w, (uint32_t)turn[0] | (uint32_t)turn[1] << 8 |
+                            (uint32_t)lights.spreads[i] << 16);
+    }
+}
+
 stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
                                    bool urgent)
 {
@@ -198,7 +211,8 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
     uint64_t options = (uint64_t)stp_gl_option_words(known) * count;
-    uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4 + options;
+    uint64_t of_colors = (uint64_t)end * (stp_has_light_normals(known, octave) ? 2 : 1);
+    uint64_t words = colors ? of_colors : 2 * (uint64_t)count + (count + 3) / 4 + options;
     stp_gl_upload result = stp_gl_upload_begin(r, entry, words, urgent);
     if (result != GL_UPLOAD_THERE) {
         return result;
@@ -214,6 +228,7 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
     }
     if (good && colors) {
         write_colors(&splats, stp_store_colors_begin(&splats, octave), end, &writer);
+        write_lights(&splats, octave, end, &writer);
     } else if (good) {
         write_places(&splats, begin, end, &writer);
         write_options(&splats, begin, end, &writer);

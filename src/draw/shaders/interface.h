@@ -196,9 +196,9 @@ struct item_block {
     float pixels; // added to the radius on the screen
     float eye[3]; // levels: in the mesh's space, less `offset`; in parallel, direction towards it;
                   // splats with errors: in grid coordinates; in parallel, the view direction
-    float growth_share; // splats: radii are multiplied by 1 + growth of the shading * this
-    uint normal_map;    // address of a texture
-    float item_spare[2];
+    float growth_share;      // splats: radii are multiplied by 1 + growth of the shading * this
+    uint normal_map;         // address of a texture
+    uint lights, low_lights; // addresses of light normals, likewise to `colors`; NO_ADDRESS: none
 };
 
 // One command of a multi-draw, or a part of it: splats, or a cluster.

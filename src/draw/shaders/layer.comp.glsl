@@ -35,7 +35,7 @@ void main()
     vec2 at = vec2(pixel) + 0.5;
     move_to_center(item, id, at, depth);
     recolor(s, at, depth);
-    vec3 color = light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
+    vec3 color = light_surface(s.color, s.normal, s.apart, to_eye(vec2(pixel) + 0.5), s.light);
     vec4 so_far = imageLoad(light, pixel);
     float opacity = clamp(s.opacity, 0.0, 1.0);
     if (view.nearest_only != 0u) { // the layer stands for all; the depths include its triangle

@@ -40,24 +40,38 @@ vec3 mirror_light(vec3 r, float rough)
     return mix(ground, horizon * fade, there.x) + boxes;
 }
 
-vec3 light_surface(vec3 color, vec3 normal, vec3 eye, surface_light m)
+// Diffuse light of normals about n: the mean of them has this length.
+vec3 diffuse_light(vec3 n, vec3 eye, float facing, float size, float variance)
 {
     const vec3 sky = vec3(LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B);
     const vec3 ground = vec3(LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B);
     const vec3 key = vec3(LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B);
+    vec3 mean = size * n + (1.0 - size) * SPREAD_TO_EYE * eye;
+    float toward = dot(mean, view.light.xyz);
+    float lambert = 0.5 * (toward + sqrt(toward * toward + SPREAD_LAMBERT * variance));
+    float height = 0.5 + 0.5 * dot(mean, view.up.xyz);
+    float fill = LIGHT_FILL * (facing * facing * size * size + SPREAD_FILL * variance);
+    return ground + (sky - ground) * height + key * lambert + fill;
+}
+
+// `apart`: 1 less the length of the mean of the normals about this one.
+vec3 light_surface(vec3 color, vec3 normal, float apart, vec3 eye, surface_light m)
+{
+    float size = 1.0 - apart, variance = 1.0 - size * size;
     float metallic = m.surface.x, rough = m.surface.y;
     vec3 n = unit(normal);
     float facing = dot(n, eye);
     n = facing < 0.0 ? -n : n;
     facing = abs(facing);
-    vec3 mirrored = mirror_light(2.0 * facing * n - eye, rough);
-    float toward = dot(n, view.light.xyz), lambert = max(toward, 0.0);
+    vec3 mirrored = mirror_light(2.0 * facing * n - eye, min(rough + variance, 1.0));
+    float toward = dot(n, view.light.xyz);
     float square = 2.0 + 2.0 * dot(eye, view.light.xyz), along = max(toward + facing, 0.0);
     float squared = square > 0.0 ? along * along / square : 0.0;
-    float d = squared * (m.surface.z - 1.0) + 1.0;
-    float gloss = lambert * min(m.surface.z / (d * d) * m.surface.w, LIGHT_GLOSS_MAX) * (1.0 - rough);
-    float height = 0.5 + 0.5 * dot(n, view.up.xyz), aside = 1.0 - facing, polish = 1.0 - rough;
-    vec3 diffuse = ground + (sky - ground) * height + key * lambert + LIGHT_FILL * facing * facing;
+    float a2 = min(m.surface.z + SPREAD_GLOSS * variance, 1.0), d = squared * (a2 - 1.0) + 1.0;
+    float widest = variance > 0.0 ? 1.0 / (4.0 * a2 + 0.2) : m.surface.w;
+    float gloss = max(toward, 0.0) * min(a2 / (d * d) * widest, LIGHT_GLOSS_MAX) * (1.0 - rough);
+    float aside = 1.0 - facing, polish = 1.0 - rough;
+    vec3 diffuse = diffuse_light(n, eye, facing, size, variance);
     vec3 front = LIGHT_DIELECTRIC + (color - LIGHT_DIELECTRIC) * metallic;
     float aside2 = aside * aside;
     vec3 mirror = front + (1.0 - front) * (aside2 * aside2 * aside * polish * polish * LIGHT_GRAZING);

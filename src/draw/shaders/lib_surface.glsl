@@ -9,6 +9,7 @@ layout(std430, binding = BINDING_LIGHT_MATERIALS) readonly buffer LightMaterials
 
 struct surface {
     vec3 color, normal; // linear; scene space, of any length
+    float apart;        // how far the normals of what it stands for are spread: 1 less the length of their mean
     surface_light light;
 #ifdef LAYER
     float opacity;
@@ -34,19 +35,31 @@ surface_light known_light(uint material)
     return surface_light(light_materials[material].surface, light_materials[material].emissive);
 }
 
+// Mean normal of the surface that a splat stands for (base/splats/light_normal.h), of length 0 to 1. `code`: that
+// of the splat's own normal; bytes add modulo 256.
+vec3 light_normal(int code, uint lights, uint index)
+{
+    int told = lights != NO_ADDRESS ? int(fetch(lights + index)) : 0;
+    vec2 turned = vec2(float(bitfieldExtract(code + told, 0, 8)), float(bitfieldExtract((code >> 8) + (told >> 8), 0, 8)));
+    return unit(decode_octahedral(turned, 127.0)) * (1.0 - float(told >> 16) * (1.0 / 255.0));
+}
+
 surface find_splat(const item_block item, uint index)
 {
     chunk_block chunk = find_chunk(item, index);
     uint local = index - chunk.begin, materials_at = chunk.address + 2u * (chunk.end - chunk.begin);
     int code = int(fetch(chunk.address + 2u * local + 1u));
     surface s;
-    s.normal = to_scene(item, decode_octahedral(vec2(float(bitfieldExtract(code, 16, 8)),
-                                                     float(bitfieldExtract(code, 24, 8))), 127.0));
     s.color = to_linear(unpackUnorm4x8(fetch(item.colors + index)).rgb);
+    vec3 mean = light_normal(code >> 16, item.lights, index);
     if (index < item.low_count) {
         vec3 low = to_linear(unpackUnorm4x8(fetch(item.low_colors + index)).rgb);
         s.color = low + (s.color - low) * item.blend;
+        vec3 low_mean = light_normal(code >> 16, item.low_lights, index);
+        mean = low_mean + (mean - low_mean) * item.blend;
     }
+    s.apart = 1.0 - min(length(mean), 1.0);
+    s.normal = to_scene(item, s.apart < 1.0 ? mean : light_normal(code >> 16, NO_ADDRESS, index));
     s.light = known_light(fetch(materials_at + local / 4u) >> (8u * (local & 3u)) & 255u);
 #ifdef LAYER
     s.opacity = glass_opacity(coverage_share(fetch(item.colors + index) >> 24));
@@ -72,6 +85,7 @@ surface find_point(const item_block item, uint index)
         s.color *= to_linear(unpackUnorm4x8(fetch(colors + local)).rgb);
     }
     s.normal = vec3(0.0);
+    s.apart = 0.0;
     if (lit) {
         int code = int(fetch(normals + local));
         s.normal = to_scene(item, decode_octahedral(vec2(float(bitfieldExtract(code, 0, 16)),
@@ -143,6 +157,7 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
     vec3 weight = find_weights(item, position, vec2(pixel) + 0.5);
     surface s;
     s.normal = find_normal(item, t, position, weight);
+    s.apart = 0.0;
     s.color = materials[item.material].base_color.rgb;
     s.light = known_light(uint(SHADINGS) + item.material);
     float depth = view.parallel != 0u ? 1.0 : view.nearness_scale / nearness;

@@ -17,6 +17,13 @@
 #define LIGHT_KEY_B 0.57f
 #define LIGHT_FILL 0.16f // factor on the squared cosine: surfaces darken towards their edges
 
+// Where the normals of what a splat stands for are spread: of a whole sphere, of which the eye sees
+// a half, means by visible area of the normals towards the eye, and of their squared cosines.
+#define SPREAD_TO_EYE 0.6667f
+#define SPREAD_FILL 0.5f
+#define SPREAD_LAMBERT 0.2f // how softly light from the key ends, as a share of the variance
+#define SPREAD_GLOSS 0.5f   // by how much the variance widens the key light's highlight
+
 // Reflected environment: sky, from the horizon to the zenith, ground, and two soft boxes beside the
 // eye.
 #define MIRROR_HORIZON_R 0.74f

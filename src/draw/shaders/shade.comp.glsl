@@ -35,7 +35,7 @@ vec3 shade(ivec2 pixel, uint id, float nearness, out float depth, out bool splat
     float place_depth = depth;
     move_to_center(item, id, at, place_depth);
     recolor(s, at, place_depth);
-    return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
+    return light_surface(s.color, s.normal, s.apart, to_eye(vec2(pixel) + 0.5), s.light);
 }
 
 void main()

@@ -144,12 +144,6 @@ static const float* normals_of(const stp_pyramid* p, const float* normals)
     return p->input->finish->two_sided ? NULL : normals;
 }
 
-// Whether each candidate was chosen: surfels of the finest octave have their own colours.
-static bool keeps_colors(const stp_pyramid* p)
-{
-    return p->input->finish->candidates->count == p->surfels->count;
-}
-
 typedef struct copying {
     stp_pyramid* p;
     stp_pyramid_entry* entries;
@@ -173,6 +167,7 @@ static stp_result copy_finest(stp_pyramid* p, uint32_t octave, stp_octave_plan* 
 {
     copying c = {p, p->octaves[octave]};
     stp_parallel_for(p->context, p->surfels->count, GRAIN, copy_candidates, &c);
+    stp_pyramid_keep_lights(p, octave);
     const stp_candidates* points = p->input->finish->candidates;
     stp_result result =
         stp_grid_create_uncrowded(p->context, points->positions, normals_of(p, points->normals),
@@ -192,6 +187,7 @@ static stp_result make_finest(stp_pyramid* p, uint32_t octave, const stp_octave_
         find_nearest(p, plan, surfels, &p->candidates);
         add_candidates(p, &p->candidates);
         average_octave(p, octave, NULL, 255);
+        stp_pyramid_sum_lights(p, octave, &p->candidates);
     }
     return result;
 }
@@ -210,6 +206,7 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
     find_nearest(p, plan, surfels, &samples);
     add_surfels(p, &samples, p->octaves[octave + 1]);
     average_octave(p, octave, p->octaves[octave + 1], 65535);
+    stp_pyramid_sum_lights(p, octave, &samples);
     stp_grid_destroy(p->context, &samples);
     return STP_OK;
 }
@@ -218,7 +215,7 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
 static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
 {
     bool finest = octave + 1 == p->surfels->octave_count;
-    if (finest && keeps_colors(p)) {
+    if (finest && stp_pyramid_keeps_candidates(p)) {
         return copy_finest(p, octave, plan);
     }
     uint32_t count = p->surfels->octave_ends[octave];
@@ -288,7 +285,7 @@ static void write_kept(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void write_colors(stp_pyramid* p)
 {
-    size_t kept = keeps_colors(p) ? p->surfels->count : 0;
+    size_t kept = stp_pyramid_keeps_candidates(p) ? p->surfels->count : 0;
     stp_parallel_for(p->context, p->entry_count - kept, GRAIN, write_entries, p);
     stp_parallel_for(p->context, kept, GRAIN, write_kept, p);
 }
@@ -298,9 +295,9 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     const stp_splats* s = p->surfels;
     size_t total = 0, count = s->count, samples = p->input->finish->candidates->count;
     // octaves that are summed up
-    size_t sums = !keeps_colors(p)      ? count
-                  : s->octave_count > 1 ? s->octave_ends[s->octave_count - 2]
-                                        : 1;
+    size_t sums = !stp_pyramid_keeps_candidates(p) ? count
+                  : s->octave_count > 1            ? s->octave_ends[s->octave_count - 2]
+                                                   : 1;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
@@ -312,6 +309,7 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL) {
         return stp_fail_memory(p->context);
     }
+    stp_result result = stp_pyramid_allocate_lights(p, total, sums);
     total = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         p->octaves[i] = p->entries + total;
@@ -319,7 +317,7 @@ static stp_result allocate_pyramid(stp_pyramid* p)
         total += s->octave_ends[i];
     }
     assert(total == p->entry_count);
-    return STP_OK;
+    return result;
 }
 
 static void free_pyramid(stp_pyramid* p)
@@ -328,6 +326,8 @@ static void free_pyramid(stp_pyramid* p)
     stp_free(p->context, p->visit);
     stp_free(p->context, p->disks);
     stp_free(p->context, p->nearest);
+    stp_free(p->context, p->light_sums);
+    stp_free(p->context, p->lights);
     stp_free(p->context, p->sums);
     stp_free(p->context, p->fraction_column);
     stp_free(p->context, p->entries);
@@ -355,6 +355,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
     }
     if (result == STP_OK) {
         write_colors(&p);
+        result = stp_pyramid_write_lights(&p);
     }
     free_pyramid(&p);
     return result;

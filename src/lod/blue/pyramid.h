@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // State of the colour pyramid's construction, for pyramid.c (colours, overall process),
-// pyramid_coverage.c (share of each disk that is surface), pyramid_surroundings.c (area that each
+// pyramid_light.c (light normals), pyramid_coverage.c (share of each disk that is surface), pyramid_surroundings.c (area that each
 // disk must occlude), pyramid_chance.c (drawn part of each disk) and pyramid_holes.c (closing of
 // visible holes).
 #pragma once
@@ -75,6 +75,10 @@ typedef struct stp_pyramid {
     size_t entry_count; ///< number of entries of all octaves
     uint16_t* fraction_column;
     stp_pyramid_sum* sums;
+    /// 3 per entry: sum of the light normals of the surface nearest to it, each times its area;
+    /// NULL: candidates have none of their own, and `toward` is that sum
+    float* lights;
+    int64_t* light_sums; ///< 3 per surfel, like `sums`
     stp_grid candidates; ///< all samples, in cells for the finest octave
     uint32_t* nearest;   ///< nearest surfel of each sample, in its grid's order
     /// For the finest octave that is not drawn whole, created on first use; coarser ones use a
@@ -93,6 +97,18 @@ typedef struct stp_octave_plan {
     float cell; ///< side of the grids' cells
 } stp_octave_plan;
 
+/// Whether each candidate was chosen: surfels of the finest octave have their own colours.
+static inline bool stp_pyramid_keeps_candidates(const stp_pyramid* p)
+{
+    return p->input->finish->candidates->count == p->surfels->count;
+}
+
+/// Entries of the pyramid before an octave.
+static inline size_t stp_pyramid_first(const stp_pyramid* p, uint32_t octave)
+{
+    return (size_t)(p->octaves[octave] - p->entries);
+}
+
 static inline uint16_t stp_pyramid_fraction(double value)
 {
     assert(value >= 0.0 && value < 1.0 + 1e-6);
@@ -109,6 +125,17 @@ bool stp_pyramid_is_whole(const stp_pyramid* p, const stp_octave_plan* plan);
 
 /// Sets an octave's parameters: the samples of its disks, and the search cells.
 void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan);
+
+/// Allocates the sums of light normals, if candidates have any. @param entries of all octaves
+/// @param summed surfels of octaves that are summed up
+STP_MUST_USE stp_result stp_pyramid_allocate_lights(stp_pyramid* p, size_t entries, size_t summed);
+/// Sums the light normals of an octave whose samples have been assigned and summed.
+void stp_pyramid_sum_lights(stp_pyramid* p, uint32_t octave, const stp_grid* samples);
+/// Takes the light normals of the finest octave from the surfels' own candidates.
+void stp_pyramid_keep_lights(stp_pyramid* p, uint32_t octave);
+/// Writes the light normals of all octaves that tell anything to the surfels, whose normals must be
+/// there. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_pyramid_write_lights(const stp_pyramid* p);
 
 /// Fills the fractions of an octave, whose entries have their opacities. Finer octaves must be
 /// done, and `p->candidates` set.

@@ -9,9 +9,9 @@
 
 enum {
     COLOR_BYTES = 4,  ///< a splat's colour and coverage
+    LIGHT_BYTES = 3,  ///< a splat's light normal
     PLACE_BYTES = 9,  ///< a splat's position, normal and material
     OPTION_BYTES = 4, ///< a splat's shape, its range, or its errors
-    COLORS_MAX = STP_STORE_CHUNK_BYTES / COLOR_BYTES,
 };
 
 stp_store_octave_span stp_store_span_of(const stp_splats* splats, uint32_t octave,
@@ -43,25 +43,43 @@ static uint32_t error_bytes(const stp_store_octave_span* span)
     return (span->columns & STP_SPLATS_ERRORS) != 0 ? OPTION_BYTES : 0;
 }
 
+static uint32_t light_bytes(const stp_store_octave_span* span)
+{
+    return span->encoding == STP_STORE_ENCODING_LIT ? LIGHT_BYTES : 0;
+}
+
+/// Bytes of a splat in the columns that earlier splats have in this octave, too.
+static uint32_t color_bytes(const stp_store_octave_span* span)
+{
+    return COLOR_BYTES + light_bytes(span);
+}
+
 /// Bytes of a splat in all columns of an octave.
 static uint32_t bytes_per_splat(const stp_store_octave_span* span)
 {
-    return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span) + error_bytes(span);
+    return color_bytes(span) + PLACE_BYTES + shape_bytes(span) + range_bytes(span) +
+           error_bytes(span);
+}
+
+/// Splats in a chunk that holds only colours.
+static uint32_t colors_per_chunk(const stp_store_octave_span* span)
+{
+    return STP_STORE_CHUNK_BYTES / color_bytes(span);
 }
 
 /// Chunks that hold only colours, of splats of earlier octaves.
 static uint32_t color_chunks(const stp_store_octave_span* span)
 {
-    return (span->first - span->begin) / COLORS_MAX;
+    return (span->first - span->begin) / colors_per_chunk(span);
 }
 
 /// End of the next chunk: the remaining colours of earlier octaves, then splats. Not yet limited
 /// to the octave.
 static uint64_t mixed_end(const stp_store_octave_span* span)
 {
-    uint32_t colors = (span->first - span->begin) % COLORS_MAX;
+    uint32_t colors = (span->first - span->begin) % colors_per_chunk(span);
     return (uint64_t)span->first +
-           (STP_STORE_CHUNK_BYTES - COLOR_BYTES * colors) / bytes_per_splat(span);
+           (STP_STORE_CHUNK_BYTES - color_bytes(span) * colors) / bytes_per_splat(span);
 }
 
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
@@ -81,7 +99,7 @@ uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
     uint32_t colors = color_chunks(span);
     uint64_t end = span->end;
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
-        end = span->begin + (chunk + 1) * (uint64_t)COLORS_MAX;
+        end = span->begin + (chunk + 1) * (uint64_t)colors_per_chunk(span);
     } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
         uint32_t maximum = STP_STORE_CHUNK_BYTES / bytes_per_splat(span);
         end = mixed_end(span) + (uint64_t)(chunk - colors) * maximum;
@@ -109,7 +127,10 @@ static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint3
     sizes[STP_OCTAVE_SHAPES] = shape_bytes(span) * places;
     sizes[STP_OCTAVE_RANGES] = range_bytes(span) * places;
     sizes[STP_OCTAVE_ERRORS] = error_bytes(span) * places;
-    return (bytes_per_splat(span) - COLOR_BYTES) * places + COLOR_BYTES * colors;
+    bool lit = light_bytes(span) != 0;
+    sizes[STP_OCTAVE_TURNS] = lit ? 2 * colors : 0;
+    sizes[STP_OCTAVE_SPREADS] = lit ? colors : 0;
+    return (bytes_per_splat(span) - color_bytes(span)) * places + color_bytes(span) * colors;
 }
 
 uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chunk,

@@ -14,6 +14,7 @@ enum {
     STP_STORE_ENCODING_PLAIN = 0,
     STP_STORE_ENCODING_CHUNKS = 1,
     STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/bytes/operators.h)
+    STP_STORE_ENCODING_LIT = 3,       ///< chunks with light normals (base/splats/light_normal.h)
 };
 
 /// Contents of an octave's block.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "store/bytes/columns.h"
 
+#include "base/splats/light_normal.h"
+
 #include <assert.h>
 
 // Lays out columns one after the other, each at the next multiple of `alignment`.
@@ -53,6 +55,7 @@ uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
     assert(prefix >= stp_store_octave_begin(splats, octave) && "octave ends ascend");
     uint64_t n = prefix - stp_store_octave_begin(splats, octave);
     uint64_t entries = (splats->columns & STP_SPLATS_FLAT_COLORS) != 0 ? n : prefix;
+    uint64_t lights = stp_has_light_normals(splats, octave) ? prefix : 0;
     uint64_t sizes[STP_OCTAVE_COLUMNS] = {
         [STP_OCTAVE_POSITIONS] = 6 * n,
         [STP_OCTAVE_NORMALS] = 2 * n,
@@ -62,6 +65,8 @@ uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
         [STP_OCTAVE_SHAPES] = (splats->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0,
         [STP_OCTAVE_RANGES] = (splats->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0,
         [STP_OCTAVE_ERRORS] = (splats->columns & STP_SPLATS_ERRORS) != 0 ? 4 * n : 0,
+        [STP_OCTAVE_TURNS] = 2 * lights,
+        [STP_OCTAVE_SPREADS] = lights,
     };
     return place(columns, sizes, STP_OCTAVE_COLUMNS, 1);
 }

@@ -7,7 +7,7 @@
 
 #include <assert.h>
 
-enum { STP_STORE_COLUMN_LIMIT = 8 };
+enum { STP_STORE_COLUMN_LIMIT = 10 };
 
 /// A column: a byte range of a block. Absent ones have size 0.
 typedef struct stp_store_column {
@@ -40,6 +40,8 @@ typedef enum stp_store_octave_column {
     STP_OCTAVE_SHAPES,
     STP_OCTAVE_RANGES,
     STP_OCTAVE_ERRORS,
+    STP_OCTAVE_TURNS,
+    STP_OCTAVE_SPREADS,
     STP_OCTAVE_COLUMNS
 } stp_store_octave_column;
 
@@ -48,8 +50,8 @@ uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, 
                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
-/// Columns of octave `octave`: the splats it adds, with their colours and coverages. Colours and
-/// coverages are those of the whole prefix unless they are flat.
+/// Columns of octave `octave`: the splats it adds, with their colours, coverages and light normals.
+/// These are those of the whole prefix unless colours are flat.
 uint64_t stp_store_octave_columns(const stp_splats* splats, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 

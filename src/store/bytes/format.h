@@ -17,6 +17,7 @@ enum {
     STP_STORE_MINOR_LEVELS = 3,      ///< of files with levels
     STP_STORE_MINOR_GROWTHS = 4,     ///< of files with growths
     STP_STORE_MINOR_NORMAL_MAPS = 5, ///< of files with normal maps
+    STP_STORE_MINOR_LIT = 6,         ///< of files with light normals
     STP_STORE_MINOR_COVERAGES = 2,   ///< since then, coverages are codes (base/splats/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,

@@ -264,6 +264,9 @@ const char* stp_store_splat_set_fault(const stp_splats* splats)
         fault = "radii of its splats are not finite";
     } else if (splats->paper_count > splats->count) {
         fault = "its paper count exceeds its count";
+    } else if (splats->light_octaves != 0 &&
+               (splats->columns != 0 || splats->light_octaves >> splats->octave_count != 0)) {
+        fault = "light normals are of other octaves than its own, or beside other columns";
     }
     return fault;
 }

@@ -39,6 +39,26 @@ static stp_result check_blocks(const stp_store* store)
     return STP_OK;
 }
 
+// Whether this version can decode a block of a mesh, a point set, splats or leaves.
+static bool knows_encoding(const stp_store* store, const stp_store_block* block)
+{
+    const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
+    bool splats = block->kind == STP_BLOCK_SPLATS;
+    uint32_t columns = splats ? sets[block->owner].splats.columns : 0;
+    switch (block->encoding) {
+    case STP_STORE_ENCODING_PLAIN:
+        return true;
+    case STP_STORE_ENCODING_CHUNKS:
+        return splats;
+    case STP_STORE_ENCODING_OPERATORS:
+        return splats && columns == STP_OPERATOR_COLUMNS;
+    case STP_STORE_ENCODING_LIT:
+        return splats && columns == 0;
+    default:
+        return false;
+    }
+}
+
 // The block that an owner requires. For an octave, `wanted.size` is ignored.
 static stp_result check_block(const stp_store* store, uint32_t index, stp_store_block wanted)
 {
@@ -58,13 +78,7 @@ static stp_result check_block(const stp_store* store, uint32_t index, stp_store_
                            "its block belongs to another owner");
     }
     const stp_store_set_record* sets = store->tables[STP_SECTION_SPLAT_SETS];
-    uint32_t known = STP_STORE_ENCODING_PLAIN;
-    if (wanted.kind == STP_BLOCK_SPLATS) {
-        known = sets[wanted.owner].splats.columns == STP_OPERATOR_COLUMNS
-                    ? STP_STORE_ENCODING_OPERATORS
-                    : STP_STORE_ENCODING_CHUNKS;
-    }
-    if (block->encoding > known) {
+    if (!knows_encoding(store, block)) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
                         "%s: %s %u: its block has the unknown encoding %u", store->path,
                         names[wanted.kind], wanted.owner, block->encoding);
@@ -131,6 +145,9 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
         }
         if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
             return fail_format(store, "splat set", index, "its octaves are out of order");
+        }
+        if (stp_store_block_at(store, number)->encoding == STP_STORE_ENCODING_LIT) {
+            sets[index].splats.light_octaves |= 1u << k;
         }
         bool here = stp_store_is_block_here(store, stp_store_block_at(store, number));
         assert((!here || sets[index].whole == k) && "blocks in order: complete octaves come first");

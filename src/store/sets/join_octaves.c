@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Splats: joins the columns of the requested octaves from their blocks.
+#include "base/splats/light_normal.h"
 #include "store/bytes/chunks.h"
 #include "store/file/block_table.h"
 #include "store/sets/sets_internal.h"
@@ -18,6 +19,7 @@ void stp_store_truncate_splat_set(stp_splats* splats, uint32_t octave_count)
         return;
     }
     splats->octave_count = octave_count;
+    splats->light_octaves &= (1u << octave_count) - 1;
     splats->count = octave_count == 0 ? 0 : splats->octave_ends[octave_count - 1];
     stp_prefix_table* table = &splats->table;
     while (table->size > 0 && table->count[table->size - 1] > splats->count) {
@@ -51,6 +53,8 @@ void stp_store_free_columns(stp_context* context, stp_store_set_record* record)
     record->splats.materials = NULL;
     record->splats.colors = NULL;
     record->splats.coverages = NULL;
+    record->splats.turns = NULL;
+    record->splats.spreads = NULL;
     record->splats.shapes = record->splats.ranges = record->splats.errors = NULL;
     record->splats.groups = NULL;
 }
@@ -66,6 +70,8 @@ void stp_store_set_columns(stp_store_set_record* record, stp_store_joined* joine
     record->splats.materials = columns->materials;
     record->splats.colors = columns->colors;
     record->splats.coverages = columns->coverages;
+    record->splats.turns = columns->turns;
+    record->splats.spreads = columns->spreads;
     record->splats.shapes = columns->shapes;
     record->splats.ranges = columns->ranges;
     record->splats.errors = columns->errors;
@@ -99,6 +105,9 @@ static void measure_columns(const stp_splats* splats, uint32_t octave_count,
     bool ranges = (splats->columns & STP_SPLATS_RANGES) != 0;
     sizes[STP_OCTAVE_RANGES] = ranges ? 4 * n : 0;
     sizes[STP_OCTAVE_ERRORS] = (splats->columns & STP_SPLATS_ERRORS) != 0 ? 4 * n : 0;
+    uint64_t lights = stp_light_normals_begin(splats, octave_count);
+    sizes[STP_OCTAVE_TURNS] = 2 * lights;
+    sizes[STP_OCTAVE_SPREADS] = lights;
     sizes[JOINED_GROUPS] = ranges ? stp_store_group_count(n) * sizeof(stp_splat_group) : 0;
 }
 
@@ -142,6 +151,9 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* sp
     splats->ranges = ranges ? (uint32_t*)(void*)(memory + offsets[STP_OCTAVE_RANGES]) : NULL;
     bool errors = (splats->columns & STP_SPLATS_ERRORS) != 0;
     splats->errors = errors ? (uint32_t*)(void*)(memory + offsets[STP_OCTAVE_ERRORS]) : NULL;
+    bool lights = splats->light_octaves != 0;
+    splats->turns = lights ? (int8_t*)(memory + offsets[STP_OCTAVE_TURNS]) : NULL;
+    splats->spreads = lights ? memory + offsets[STP_OCTAVE_SPREADS] : NULL;
     splats->groups = ranges ? (stp_splat_group*)(void*)(memory + offsets[JOINED_GROUPS]) : NULL;
     return (stp_store_joined*)(void*)memory;
 }
@@ -167,6 +179,10 @@ void stp_store_copy_columns(const stp_splats* splats, const stp_splats* before,
     if (splats->errors != NULL) {
         memcpy(splats->errors, before->errors, (size_t)sizes[STP_OCTAVE_ERRORS]);
     }
+    if (sizes[STP_OCTAVE_SPREADS] != 0) {
+        memcpy(splats->turns, before->turns, (size_t)sizes[STP_OCTAVE_TURNS]);
+        memcpy(splats->spreads, before->spreads, (size_t)sizes[STP_OCTAVE_SPREADS]);
+    }
 }
 
 void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
@@ -183,6 +199,10 @@ void stp_store_octave_targets(const stp_splats* splats, uint32_t octave,
     targets[STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + first : NULL;
     targets[STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + first : NULL;
     targets[STP_OCTAVE_ERRORS] = splats->errors != NULL ? splats->errors + first : NULL;
+    bool lights = stp_has_light_normals(splats, octave);
+    size_t light = (size_t)stp_light_normals_begin(splats, octave);
+    targets[STP_OCTAVE_TURNS] = lights ? splats->turns + 2 * light : NULL;
+    targets[STP_OCTAVE_SPREADS] = lights ? splats->spreads + light : NULL;
 }
 
 const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t index,

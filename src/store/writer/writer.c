@@ -53,6 +53,23 @@ static stp_result patch_pages(stp_store_writing* w)
     return result;
 }
 
+// The least version that the content needs.
+static uint16_t find_minor(const stp_store_content* content)
+{
+    const stp_store_directory* directory = &content->directory;
+    for (uint32_t i = 0; i < directory->set_count; ++i) {
+        if (content->sets[i].light_octaves != 0) {
+            return STP_STORE_MINOR_LIT;
+        }
+    }
+    bool growths = stp_any_growth(directory->shadings, directory->shading_count);
+    bool normal_maps = stp_store_count_normal_maps(directory) != 0;
+    return normal_maps                   ? STP_STORE_MINOR_NORMAL_MAPS
+           : growths                     ? STP_STORE_MINOR_GROWTHS
+           : directory->level_count != 0 ? STP_STORE_MINOR_LEVELS
+                                         : STP_STORE_MINOR;
+}
+
 // Offsets of the fields: see docs/format.md, Header.
 static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
 {
@@ -66,12 +83,7 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
     assert(codec.offset == size && data_offset % STP_STORE_ALIGNMENT == 0);
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
-    bool growths = stp_any_growth(directory->shadings, directory->shading_count);
-    bool normal_maps = stp_store_count_normal_maps(directory) != 0;
-    stp_write_u16(bytes + 10, normal_maps                   ? STP_STORE_MINOR_NORMAL_MAPS
-                              : growths                     ? STP_STORE_MINOR_GROWTHS
-                              : directory->level_count != 0 ? STP_STORE_MINOR_LEVELS
-                                                            : STP_STORE_MINOR);
+    stp_write_u16(bytes + 10, find_minor(w->content));
     stp_write_u32(bytes + 12, STP_STORE_HEADER_BYTES);
     stp_write_u64(bytes + 16, stp_file_writer_size(w->file));
     stp_write_u64(bytes + 24, data_offset);

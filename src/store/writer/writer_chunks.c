@@ -2,6 +2,7 @@
 // Writes octaves: gathers them chunk by chunk, compresses on all threads, writes in order.
 // Progressive sets are coded as operators, others with DEFLATE.
 #include "base/io/bytes.h"
+#include "base/splats/light_normal.h"
 #include "store/bytes/chunks.h"
 #include "store/bytes/operators.h"
 #include "store/writer/writing.h"
@@ -36,8 +37,10 @@ struct stp_store_batch {
 
 static stp_store_octave_span span_of(const stp_store_writing* w, const stp_store_block* block)
 {
-    return stp_store_span_of(&w->content->sets[block->owner], block->octave,
-                             STP_STORE_ENCODING_CHUNKS);
+    const stp_splats* set = &w->content->sets[block->owner];
+    bool lit = stp_has_light_normals(set, block->octave);
+    return stp_store_span_of(set, block->octave,
+                             lit ? STP_STORE_ENCODING_LIT : STP_STORE_ENCODING_CHUNKS);
 }
 
 stp_result stp_store_batch_create(stp_store_writing* w, stp_store_batch** batch)
@@ -81,6 +84,7 @@ static size_t gather(const stp_splats* splats, const stp_store_block* block,
     uint32_t begin = chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
     size_t place = begin > span->first ? begin : span->first;
     size_t entry = (size_t)stp_store_pyramid_begin(splats, block->octave) + begin - span->begin;
+    stp_light_normals lights = stp_light_normals_of(splats, block->octave);
     const void* sources[STP_OCTAVE_COLUMNS] = {
         [STP_OCTAVE_POSITIONS] = splats->positions + 3 * place,
         [STP_OCTAVE_NORMALS] = splats->normals + 2 * place,
@@ -90,6 +94,8 @@ static size_t gather(const stp_splats* splats, const stp_store_block* block,
         [STP_OCTAVE_SHAPES] = splats->shapes != NULL ? splats->shapes + place : NULL,
         [STP_OCTAVE_RANGES] = splats->ranges != NULL ? splats->ranges + place : NULL,
         [STP_OCTAVE_ERRORS] = splats->errors != NULL ? splats->errors + place : NULL,
+        [STP_OCTAVE_TURNS] = lights.turns != NULL ? lights.turns + 2 * (size_t)begin : NULL,
+        [STP_OCTAVE_SPREADS] = lights.spreads != NULL ? lights.spreads + begin : NULL,
     };
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
@@ -266,7 +272,7 @@ stp_result stp_store_batch_add(stp_store_batch* b, uint32_t block)
         uint32_t end = stp_store_chunk_end(&span, chunk);
         assert(b->count < BATCH && begin < end);
         b->chunks[b->count] =
-            (packed_chunk){.block = block, .chunk = chunk, .encoding = STP_STORE_ENCODING_CHUNKS};
+            (packed_chunk){.block = block, .chunk = chunk, .encoding = span.encoding};
         if (order != NULL) {
             take_parents(b, base, begin, end, order);
         }
