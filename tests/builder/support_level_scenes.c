@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static stp_result generate(stp_scene* scene, const char* name, void* user)
@@ -71,6 +72,37 @@ bool level_scene_two_tori(stp_scene* scene)
     uint32_t red = level_add_material(scene, 0.8f, 0.1f, 0.1f);
     return level_scene_torus(scene) &&
            level_add(scene, level_torus(scene->context, 80, 60, 1.0, 0.3), red, aside) != STP_NONE;
+}
+
+bool level_scene_add_textured_sheet(stp_scene* scene, uint32_t cells, uint32_t material)
+{
+    uint32_t side = cells + 1;
+    stp_mesh mesh = {
+        .vertex_count = side * side, .triangle_count = 2 * cells * cells, .material = material};
+    mesh.positions = STP_NEW_ARRAY(scene->context, float, 3 * (size_t)mesh.vertex_count);
+    mesh.texcoords[0] = STP_NEW_ARRAY(scene->context, float, 2 * (size_t)mesh.vertex_count);
+    mesh.indices = STP_NEW_ARRAY(scene->context, uint32_t, 3 * (size_t)mesh.triangle_count);
+    if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
+        float u = (float)(i % side) / (float)cells, v = (float)(i / side) / (float)cells;
+        const float at[3] = {2.0f * u - 1.0f, 1.0f - 2.0f * v, 0.0f};
+        memcpy(mesh.positions + 3 * (size_t)i, at, sizeof(at));
+        mesh.texcoords[0][2 * (size_t)i] = u;
+        mesh.texcoords[0][2 * (size_t)i + 1] = v;
+    }
+    for (uint32_t i = 0; i < cells * cells; ++i) {
+        uint32_t a = i / cells * side + i % cells, c = a + side;
+        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
+        memcpy(mesh.indices + 6 * (size_t)i, corners, sizeof(corners));
+    }
+    const stp_object sheet = {
+        .name = "sheet", .parent = STP_NONE, .transform = stp_affine_identity()};
+    uint32_t index = 0;
+    return stp_scene_add_mesh(scene, &mesh, &index) == STP_OK &&
+           stp_scene_add_object(scene, &sheet, NULL) == STP_OK &&
+           stp_scene_add_part(scene, (stp_part){STP_PART_MESH, index}) == STP_OK;
 }
 
 bool level_scene_sheet(stp_scene* scene)

@@ -27,6 +27,9 @@ bool level_scene_open_ball(stp_scene* scene);
 bool level_scene_two_tori(stp_scene* scene);
 /// A sheet of 20,000 triangles from 0 to 1 in x and z, with waves of a height of 0.02.
 bool level_scene_sheet(stp_scene* scene);
+/// Adds a sheet of cells * cells squares from -1 to 1 in the plane z = 0, facing +z; the first row of
+/// its material's textures is at the top.
+bool level_scene_add_textured_sheet(stp_scene* scene, uint32_t cells, uint32_t material);
 /// Adds 24 uses of meshes 0 and 1, which are prototypes already, on a grid of 5 columns.
 bool level_scene_add_copies(stp_scene* scene);
 /// Many copies of two tori.

@@ -33,42 +33,6 @@ static bool add_texture(stp_scene* scene, const uint8_t* texels, uint32_t* index
     return stp_scene_add_texture(scene, &texture, index) == STP_OK;
 }
 
-/// A sheet from -1 to 1 in the plane z = 0, facing +z; the texture's first row is at the top.
-static bool add_sheet(stp_scene* scene, uint32_t material)
-{
-    stp_mesh mesh = {.vertex_count = (CELLS + 1) * (CELLS + 1),
-                     .triangle_count = 2 * CELLS * CELLS,
-                     .material = material};
-    mesh.positions = stp_alloc_array(scene->context, 3 * (size_t)mesh.vertex_count, sizeof(float));
-    mesh.texcoords[0] =
-        stp_alloc_array(scene->context, 2 * (size_t)mesh.vertex_count, sizeof(float));
-    mesh.indices =
-        stp_alloc_array(scene->context, 3 * (size_t)mesh.triangle_count, sizeof(uint32_t));
-    if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL) {
-        return false;
-    }
-    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
-        float u = (float)(i % (CELLS + 1)) / CELLS, v = (float)(i / (CELLS + 1)) / CELLS;
-        const float at[3] = {2.0f * u - 1.0f, 1.0f - 2.0f * v, 0.0f};
-        memcpy(mesh.positions + 3 * (size_t)i, at, sizeof(at));
-        mesh.texcoords[0][2 * (size_t)i] = u;
-        mesh.texcoords[0][2 * (size_t)i + 1] = v;
-    }
-    for (uint32_t i = 0; i < CELLS * CELLS; ++i) {
-        uint32_t a = i / CELLS * (CELLS + 1) + i % CELLS, c = a + CELLS + 1;
-        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
-        memcpy(mesh.indices + 6 * (size_t)i, corners, sizeof(corners));
-    }
-    uint32_t index = 0;
-    return stp_scene_add_mesh(scene, &mesh, &index) == STP_OK &&
-           stp_scene_add_object(scene,
-                                &(stp_object){.name = "sheet",
-                                              .parent = STP_NONE,
-                                              .transform = stp_affine_identity()},
-                                NULL) == STP_OK &&
-           stp_scene_add_part(scene, (stp_part){STP_PART_MESH, index}) == STP_OK;
-}
-
 static bool make_sheet(stp_scene* scene)
 {
     stp_material m = stp_material_default();
@@ -77,7 +41,8 @@ static bool make_sheet(stp_scene* scene)
     m.base_color[1] = m.base_color[2] = 0.3f;
     return add_texture(scene, surface_texels, &m.metallic_roughness_texture.texture) &&
            add_texture(scene, glow_texels, &m.emissive_texture.texture) &&
-           stp_scene_add_material(scene, &m, &material) == STP_OK && add_sheet(scene, material);
+           stp_scene_add_material(scene, &m, &material) == STP_OK &&
+           level_scene_add_textured_sheet(scene, CELLS, material);
 }
 
 static float linear_of(uint8_t value)
@@ -195,7 +160,7 @@ void test_looks_are_few(test_state* test)
     }
     uint32_t material = 0;
     CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &m, &material));
-    CHECK(add_sheet(scene, material));
+    CHECK(level_scene_add_textured_sheet(scene, CELLS, material));
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     CHECK_EQUAL(STP_OK, stp_scene_find_looks(scene));
     CHECK(scene->look_count == 1 && scene->variant_count > 8 &&

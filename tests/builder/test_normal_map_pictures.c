@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of built surfaces with normal maps: triangles and splats are lit by them, and disks lie as
-// without them.
+// Pictures of built surfaces with normal maps: triangles and splats are lit by them, and disks lie
+// as without them.
 #include "support_level_scenes.h"
 #include "tests.h"
 
@@ -37,39 +37,16 @@ static bool add_map(stp_scene* scene, map_kind kind, uint32_t* index)
     return stp_scene_add_texture(scene, &texture, index) == STP_OK;
 }
 
-/// A white sheet from -1 to 1 in the plane z = 0, facing +z; the map's first row is at the top.
+/// A white sheet with this map.
 static bool add_sheet(stp_scene* scene, map_kind map)
 {
     stp_material m = stp_material_default();
-    stp_mesh mesh = {.vertex_count = (CELLS + 1) * (CELLS + 1),
-                     .triangle_count = 2 * CELLS * CELLS};
-    mesh.positions = STP_NEW_ARRAY(scene->context, float, 3 * (size_t)mesh.vertex_count);
-    mesh.texcoords[0] = STP_NEW_ARRAY(scene->context, float, 2 * (size_t)mesh.vertex_count);
-    mesh.indices = STP_NEW_ARRAY(scene->context, uint32_t, 3 * (size_t)mesh.triangle_count);
+    uint32_t material = 0;
     m.metallic = 0.0f;
     m.front_only = true;
-    if (mesh.positions == NULL || mesh.texcoords[0] == NULL || mesh.indices == NULL ||
-        (map != MAP_NONE && !add_map(scene, map, &m.normal_texture.texture)) ||
-        stp_scene_add_material(scene, &m, &mesh.material) != STP_OK) {
-        return false;
-    }
-    for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
-        float u = (float)(i % (CELLS + 1)) / CELLS, v = (float)(i / (CELLS + 1)) / CELLS;
-        const float at[3] = {2.0f * u - 1.0f, 1.0f - 2.0f * v, 0.0f};
-        memcpy(mesh.positions + 3 * (size_t)i, at, sizeof(at));
-        mesh.texcoords[0][2 * (size_t)i] = u;
-        mesh.texcoords[0][2 * (size_t)i + 1] = v;
-    }
-    for (uint32_t i = 0; i < CELLS * CELLS; ++i) {
-        uint32_t a = i / CELLS * (CELLS + 1) + i % CELLS, c = a + CELLS + 1;
-        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
-        memcpy(mesh.indices + 6 * (size_t)i, corners, sizeof(corners));
-    }
-    const stp_object sheet = {.parent = STP_NONE, .transform = stp_affine_identity()};
-    uint32_t index = 0;
-    return stp_scene_add_mesh(scene, &mesh, &index) == STP_OK &&
-           stp_scene_add_object(scene, &sheet, NULL) == STP_OK &&
-           stp_scene_add_part(scene, (stp_part){STP_PART_MESH, index}) == STP_OK;
+    return (map == MAP_NONE || add_map(scene, map, &m.normal_texture.texture)) &&
+           stp_scene_add_material(scene, &m, &material) == STP_OK &&
+           level_scene_add_textured_sheet(scene, CELLS, material);
 }
 
 static bool make_plain(stp_scene* scene)
