@@ -15,8 +15,8 @@ typedef struct chunk_sample {
 } chunk_sample;
 
 /// Three sets of up to 60,000 splats, random from `seed`; seed 0: all bytes are equal. For odd
-/// seeds, sets have all optional columns; for even ones, light normals in some octaves. Do not move `made`. The arena owns the memory. @return
-/// false if it runs out
+/// seeds, sets have all optional columns; for even ones, light normals in some octaves. Do not move
+/// `made`. The arena owns the memory. @return false if it runs out
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
 
 /// Whether two sets have the same splats and colours.

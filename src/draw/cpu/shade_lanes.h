@@ -106,8 +106,8 @@ static inline void mirror_lanes(const stp_lighting* light, const lanes_float r[3
     }
 }
 
-/// The key light's highlight: the distribution of Trowbridge and Reitz, bounded; wider where normals
-/// have a variance (Toksvig 2005).
+/// The key light's highlight: the distribution of Trowbridge and Reitz, bounded; wider where
+/// normals have a variance (Toksvig 2005).
 static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_float eye[3],
                                       lanes_float toward, lanes_float facing, lanes_float variance,
                                       const lanes_float material[8])

@@ -29,7 +29,8 @@ typedef enum stp_gl_upload {
 uint32_t stp_gl_option_words(const stp_splats* splats);
 
 /// Requests octave `octave` of a set: the positions of its own splats, or the colours of all
-/// splats up to its end, and then their light normals, if the octave has them. `urgent`: ignores the upload limit.
+/// splats up to its end, and then their light normals, if the octave has them. `urgent`: ignores the
+/// upload limit.
 stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
                                    bool urgent);
 stp_gl_upload stp_gl_upload_mesh(stp_gl_renderer* r, uint32_t mesh);

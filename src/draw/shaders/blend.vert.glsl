@@ -60,7 +60,8 @@ void main()
         return;
     }
     surface found = find_surface(item, item.first_id + index, ivec2(floor(s.center.xy)), 1.0);
-    vec3 lit = light_surface(found.color, found.normal, found.apart, to_eye(s.center.xy), found.light);
+    vec3 lit =
+        light_surface(found.color, found.normal, found.apart, to_eye(s.center.xy), found.light);
     color = vec4(clamp(lit, 0.0, 1.0), splat.radius);
     vec4 box = shape == SHAPE_DISK ? shape_box(s) : floor(s.center.xyxy);
     vec2 size = box.zw - box.xy + 1.0;

@@ -9,7 +9,7 @@ layout(std430, binding = BINDING_LIGHT_MATERIALS) readonly buffer LightMaterials
 
 struct surface {
     vec3 color, normal; // linear; scene space, of any length
-    float apart;        // how far the normals of what it stands for are spread: 1 less the length of their mean
+    float apart;        // 1 less the length of the mean of the normals that it stands for
     surface_light light;
 #ifdef LAYER
     float opacity;
@@ -35,12 +35,13 @@ surface_light known_light(uint material)
     return surface_light(light_materials[material].surface, light_materials[material].emissive);
 }
 
-// Mean normal of the surface that a splat stands for (base/splats/light_normal.h), of length 0 to 1. `code`: that
-// of the splat's own normal; bytes add modulo 256.
+// Mean normal of the surface that a splat stands for (base/splats/light_normal.h), of length 0 to 1.
+// `code`: that of the splat's own normal; bytes add modulo 256.
 vec3 light_normal(int code, uint lights, uint index)
 {
     int told = lights != NO_ADDRESS ? int(fetch(lights + index)) : 0;
-    vec2 turned = vec2(float(bitfieldExtract(code + told, 0, 8)), float(bitfieldExtract((code >> 8) + (told >> 8), 0, 8)));
+    vec2 turned = vec2(float(bitfieldExtract(code + told, 0, 8)),
+                       float(bitfieldExtract((code >> 8) + (told >> 8), 0, 8)));
     return unit(decode_octahedral(turned, 127.0)) * (1.0 - float(told >> 16) * (1.0 / 255.0));
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // State of the colour pyramid's construction, for pyramid.c (colours, overall process),
-// pyramid_light.c (light normals), pyramid_coverage.c (share of each disk that is surface), pyramid_surroundings.c (area that each
-// disk must occlude), pyramid_chance.c (drawn part of each disk) and pyramid_holes.c (closing of
-// visible holes).
+// pyramid_light.c (light normals), pyramid_coverage.c (share of each disk that is surface),
+// pyramid_surroundings.c (area that each disk must occlude), pyramid_chance.c (drawn part of each
+// disk) and pyramid_holes.c (closing of visible holes).
 #pragma once
 
 #include "base/splats/coverage.h"
