@@ -70,15 +70,26 @@ static inline __m256i hash_fragments(uint32_t coverage, uint32_t index, __m256i 
     return _mm256_cmpgt_epi32(maximum, _mm256_srli_epi32(h, 24));
 }
 
-/// Evaluates disk `i` at eight pixels (u, v): all bits set for those inside, and their depth bits.
-static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, int i, __m256 u,
-                               __m256 v, __m256i* bits)
+/// The value of disk `i`'s conic at eight pixels (u, v): inside up to its limit.
+static inline __m256 conic_at(const splat_batch* t, int i, __m256 u, __m256 v)
 {
     __m256 a = _mm256_set1_ps(t->a[i]), b = _mm256_set1_ps(t->b[i]), c = _mm256_set1_ps(t->c[i]);
     __m256 p = _mm256_set1_ps(t->p[i]), q = _mm256_set1_ps(t->q[i]);
     __m256 across = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(a, u), _mm256_mul_ps(b, v)), p);
     __m256 down = _mm256_add_ps(_mm256_mul_ps(c, v), q);
-    __m256 value = _mm256_add_ps(_mm256_mul_ps(u, across), _mm256_mul_ps(v, down));
+    return _mm256_add_ps(_mm256_mul_ps(u, across), _mm256_mul_ps(v, down));
+}
+
+/// All bits set for the values inside disk `i`.
+static inline __m256i is_inside(const splat_batch* t, int i, __m256 value)
+{
+    return _mm256_castps_si256(_mm256_cmp_ps(value, _mm256_set1_ps(t->limit[i]), _CMP_LE_OQ));
+}
+
+/// Depth bits of disk `i` at eight pixels (u, v), where its conic has this value.
+static inline __m256i depth_at(const stp_splat_frame* f, const splat_batch* t, int i, __m256 u,
+                               __m256 v, __m256 value)
+{
     __m256 maximum = _mm256_set1_ps(t->g_limit[i]);
     __m256 change = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(t->gx[i]), u),
                                   _mm256_mul_ps(_mm256_set1_ps(t->gy[i]), v));
@@ -90,8 +101,7 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
     __m256 at = _mm256_sub_ps(_mm256_add_ps(_mm256_set1_ps(t->nearness[i]), change), rim);
     at = _mm256_max_ps(at, _mm256_set1_ps(SPLAT_MIN_NEARNESS));
     at = _mm256_min_ps(at, _mm256_set1_ps(f->nearness_limit));
-    *bits = _mm256_xor_si256(_mm256_castps_si256(at), _mm256_set1_epi32(-1));
-    return _mm256_castps_si256(_mm256_cmp_ps(value, limit, _CMP_LE_OQ));
+    return _mm256_xor_si256(_mm256_castps_si256(at), _mm256_set1_epi32(-1));
 }
 
 /// Clips the fragments inside disk `i` to its drawn part.
@@ -130,8 +140,8 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
         float row = 2.0f * (float)half;
         __m256 rows = _mm256_setr_ps(row, row, row, row, row + 1, row + 1, row + 1, row + 1);
         __m256 v = _mm256_add_ps(_mm256_set1_ps(t->v0[i]), rows);
-        __m256i bits;
-        __m256i inside = evaluate(f, t, i, u, v, &bits);
+        __m256 value = conic_at(t, i, u, v);
+        __m256i inside = is_inside(t, i, value), bits = depth_at(f, t, i, u, v, value);
         if ((t->clips >> i & 1u) != 0) {
             inside = keep_clipped(t, i, u, v, inside);
         }
@@ -176,8 +186,11 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
         for (int32_t y = box.y0; y < box.y1; ++y) {
             uint64_t* row = f->target->pixels + (size_t)y * f->target->stride + (size_t)x;
             __m256 v = _mm256_set1_ps(t->v0[i] + (float)(y - t->y0[i]));
-            __m256i bits;
-            __m256i inside = _mm256_and_si256(evaluate(f, t, i, u, v, &bits), there);
+            __m256 value = conic_at(t, i, u, v);
+            __m256i inside = _mm256_and_si256(is_inside(t, i, value), there);
+            if (_mm256_testz_si256(inside, inside) != 0) {
+                continue;
+            }
             if (is_clipped) {
                 inside = keep_clipped(t, i, u, v, inside);
             }
@@ -188,6 +201,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
                     _mm256_and_si256(inside, hash_fragments(coverage, f->seed + index, dx, dy));
             }
             unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(inside));
+            __m256i bits = depth_at(f, t, i, u, v, value);
             fragments += (uint64_t)__builtin_popcount(mask);
             if ((mask & 15) != 0) {
                 store_four(row, _mm256_castsi256_si128(bits), _mm256_castsi256_si128(inside), id);

@@ -12,7 +12,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(32)));
 typedef uint32_t lanes_uint __attribute__((vector_size(32)));
 typedef float lanes_float __attribute__((vector_size(32)));
-typedef double lanes_double __attribute__((vector_size(64)));
 // half as many doubles
 typedef double lanes_real __attribute__((vector_size(32)));
 typedef int64_t lanes_long __attribute__((vector_size(32)));
@@ -86,13 +85,40 @@ static inline uint32_t lanes_long_bits(lanes_long a)
     return (uint32_t)_mm256_movemask_pd((__m256d)a);
 }
 
+/// Rounds doubles to float: first `low`, then `high`.
+static inline lanes_float lanes_narrow(lanes_real low, lanes_real high)
+{
+    return (lanes_float)_mm256_set_m128(_mm256_cvtpd_ps((__m256d)high),
+                                        _mm256_cvtpd_ps((__m256d)low));
+}
+
 static inline lanes_int lanes_round(lanes_float a)
 {
     return (lanes_int)_mm256_cvtps_epi32((__m256)a);
 }
 
+/// Writes four pixels, all of them in the row: neighbours that stay as they are would be written,
+/// too, and may be another thread's.
+static inline void write_four(uint64_t* pixels, __m128i far, __m256i id)
+{
+    const __m256i top = _mm256_set1_epi64x((long long)(UINT64_C(1) << 63)); // for unsigned order
+    __m256i pixel = _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(far), 32), id);
+    __m256i old = _mm256_loadu_si256((const __m256i_u*)pixels);
+    __m256i nearer = _mm256_cmpgt_epi64(_mm256_xor_si256(old, top), _mm256_xor_si256(pixel, top));
+    _mm256_storeu_si256((__m256i_u*)pixels, _mm256_blendv_epi8(old, pixel, nearer));
+}
+
 static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
 {
+    __m256i far = (__m256i)~nearness, ids = _mm256_set1_epi64x((long long)id);
+    if ((bits & 15) == 15) {
+        write_four(pixels, _mm256_castsi256_si128(far), ids);
+        bits &= ~15u;
+    }
+    if (bits >> 4 == 15) {
+        write_four(pixels + 4, _mm256_extracti128_si256(far, 1), ids);
+        bits &= 15;
+    }
     for (; bits != 0; bits &= bits - 1) {
         int lane = __builtin_ctz(bits);
         uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;

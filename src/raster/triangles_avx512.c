@@ -14,7 +14,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(64)));
 typedef uint32_t lanes_uint __attribute__((vector_size(64)));
 typedef float lanes_float __attribute__((vector_size(64)));
-typedef double lanes_double __attribute__((vector_size(128)));
 // half as many doubles
 typedef double lanes_real __attribute__((vector_size(64)));
 typedef int64_t lanes_long __attribute__((vector_size(64)));
@@ -84,6 +83,13 @@ static inline uint32_t lanes_sign_bits(lanes_int a)
 static inline uint32_t lanes_long_bits(lanes_long a)
 {
     return (uint32_t)_mm512_movepi64_mask((__m512i)a);
+}
+
+/// Rounds doubles to float: first `low`, then `high`.
+static inline lanes_float lanes_narrow(lanes_real low, lanes_real high)
+{
+    __m512 both = _mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low));
+    return (lanes_float)_mm512_insertf32x8(both, _mm512_cvtpd_ps((__m512d)high), 1);
 }
 
 static inline lanes_int lanes_round(lanes_float a)

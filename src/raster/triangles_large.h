@@ -159,7 +159,9 @@ static inline uint64_t fill_large_long(const stp_triangle_window* window, const 
                                        uint32_t id)
 {
     const lanes_float zero = {0};
-    const lanes_double steps = __builtin_convertvector(lanes_index(), lanes_double);
+    const lanes_real low_steps =
+        count_rows() * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
+    const lanes_real high_steps = low_steps + (double)(LANES / 2 * STP_SUBPIXEL);
     const float low = walk->setup->low, high = walk->setup->high;
     const lanes_float lowest = zero + low, highest = zero + high;
     const double along_x = walk->plane.along_x, plane_x = walk->plane.x;
@@ -173,11 +175,11 @@ static inline uint64_t fill_large_long(const stp_triangle_window* window, const 
         double row_nearness = stp_triangle_plane_row(&walk->plane, top + lane);
         int32_t first = (int32_t)firsts[lane], last = (int32_t)lasts[lane];
         assert(first >= walk->setup->left && last <= walk->setup->right && first <= last);
+        double start = (double)first * (double)STP_SUBPIXEL; // integers, so sums are exact
+        lanes_real low_x = low_steps + start, high_x = high_steps + start;
         for (int32_t column = first; column <= last; column += LANES) { // as stp_triangle_plane_at
-            lanes_double x = (steps + (double)column) * (double)STP_SUBPIXEL;
-            x += (double)STP_SUBPIXEL_HALF;
-            lanes_double at = row_nearness + along_x * (x - plane_x);
-            lanes_float nearness = __builtin_convertvector(at, lanes_float);
+            lanes_float nearness = lanes_narrow(row_nearness + along_x * (low_x - plane_x),
+                                                row_nearness + along_x * (high_x - plane_x));
             nearness = lanes_min_float(lanes_max_float(nearness, lowest), highest);
             int32_t left = last - column + 1;
             uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
@@ -185,6 +187,8 @@ static inline uint64_t fill_large_long(const stp_triangle_window* window, const 
             if (window->behind != 0) {
                 lanes_write(row + window->behind + column, some, ~(lanes_int)nearness, id);
             }
+            low_x += (double)(LANES * STP_SUBPIXEL);
+            high_x += (double)(LANES * STP_SUBPIXEL);
         }
         fragments += (uint64_t)(last - first) + 1;
     }

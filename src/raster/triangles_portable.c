@@ -9,7 +9,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(16)));
 typedef uint32_t lanes_uint __attribute__((vector_size(16)));
 typedef float lanes_float __attribute__((vector_size(16)));
-typedef double lanes_double __attribute__((vector_size(32)));
 // half as many doubles
 typedef double lanes_real __attribute__((vector_size(16)));
 typedef int64_t lanes_long __attribute__((vector_size(16)));
@@ -74,6 +73,12 @@ static inline uint32_t lanes_sign_bits(lanes_int a)
 static inline uint32_t lanes_long_bits(lanes_long a)
 {
     return (uint32_t)((uint64_t)a[0] >> 63 | (uint64_t)a[1] >> 63 << 1);
+}
+
+/// Rounds doubles to float: first `low`, then `high`.
+static inline lanes_float lanes_narrow(lanes_real low, lanes_real high)
+{
+    return (lanes_float){(float)low[0], (float)low[1], (float)high[0], (float)high[1]};
 }
 
 static inline lanes_int lanes_round(lanes_float a)
