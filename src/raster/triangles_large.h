@@ -159,8 +159,7 @@ static inline uint64_t fill_large_long(const stp_triangle_window* window, const 
                                        uint32_t id)
 {
     const lanes_float zero = {0};
-    const lanes_real low_steps =
-        count_rows() * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
+    const lanes_real low_steps = count_rows() * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
     const lanes_real high_steps = low_steps + (double)(LANES / 2 * STP_SUBPIXEL);
     const float low = walk->setup->low, high = walk->setup->high;
     const lanes_float lowest = zero + low, highest = zero + high;
