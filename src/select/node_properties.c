@@ -167,7 +167,7 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->maximum = STP_NEW_ZEROED(s->context, uint32_t, (size_t)directory->node_count + 1);
     graph->level_floors = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->others = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
-    graph->opens_below = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->opens_below = STP_NEW_ARRAY(s->context, float, 2 * (size_t)directory->node_count + 1);
     graph->level_overhangs = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
                                     (size_t)directory->mesh_count + directory->point_set_count + 1);

@@ -33,11 +33,17 @@ static bool is_complete(const stp_store_node* node, const stp_splats* splats)
             stp_prefix_table_radius(&splats->table, splats->count) <= splats->step);
 }
 
-double stp_select_reach(const stp_selection* s, uint32_t node)
+double stp_select_reach(const stp_selection* s, uint32_t node, double splat_size)
 {
     double own = s->graph->reaches[node] *
                  fmin((double)s->graph->early_switches[node], stp_select_early_switch(s->quality));
-    return s->draws_levels ? fmax(own, (double)s->graph->opens_below[node]) : own;
+    if (!s->draws_levels) {
+        return own;
+    }
+    const float* opens = s->graph->opens_below + 2 * (size_t)node;
+    double part = log(splat_size / STP_OPENS_FINE) / log(STP_OPENS_COARSE / STP_OPENS_FINE);
+    part = stp_clampd(part, 0.0, 1.0);
+    return fmax(own, (1.0 - part) * (double)opens[0] + part * (double)opens[1]);
 }
 
 /// The wanted coverage radius at depth 1, in node units; 0: none.
@@ -55,7 +61,7 @@ bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
                              double* nearest)
 {
     assert(use->per_depth > 0.0 && "drawn by size");
-    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    double suffices_from = stp_select_reach(s, at->node, sight->splat_size) / use->per_depth;
     stp_depth_range range = sight->range;
     bool suffices = cloud || range.near >= suffices_from;
     bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;

@@ -90,7 +90,7 @@ static void choose_by_insertion(stp_set_use* use, const stp_selection* s,
     const stp_splats* splats = use->splats;
     stp_depth_range range = sight->range;
     double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn at any distance, with gaps
-    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    double suffices_from = stp_select_reach(s, at->node, sight->splat_size) / use->per_depth;
     double below = (double)s->graph->works[at->node];
     uint32_t count = stp_prefix_table_count(&splats->table, (float)(use->per_depth * range.near));
     bool suffices = cloud || range.near >= suffices_from;

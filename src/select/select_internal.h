@@ -23,10 +23,6 @@
 /// Limit on the work of a node in its level switch, relative to the more expensive of the two levels.
 #define STP_LEVEL_SWITCH_WORK 1.2
 
-/// Error of levels of triangles that goes with splats of one pixel, in pixels. It is a sum of root mean
-/// squares; less than that shows.
-#define STP_LEVEL_ERROR 0.7
-
 /// Maximum and default of stp_quality.early_switch.
 #define STP_EARLY_SWITCH_MAX 8.0
 
@@ -35,6 +31,10 @@ static inline double stp_select_early_switch(const stp_quality* quality)
     double factor = (double)quality->early_switch;
     return !(factor > 0.0) ? STP_EARLY_SWITCH_MAX : fmin(fmax(factor, 1.0), STP_EARLY_SWITCH_MAX);
 }
+
+/// Splat sizes, in pixels, for which opens_below is found; between them it is interpolated.
+#define STP_OPENS_FINE 2.0
+#define STP_OPENS_COARSE 16.0
 
 /// A node to visit.
 typedef struct stp_select_entry {
@@ -68,7 +68,9 @@ typedef struct stp_select_graph {
     uint32_t* maximum;     ///< splats available in its set; 0: not known yet
     bool* others;          ///< whether there is anything below that levels do not replace
     float* level_floors;   ///< error from which its levels replace its originals; 0: it has none
-    float* opens_below; ///< levels below are drawn instead of splats of a smaller radius; 0: none
+    /// Two per node: levels below are drawn instead of splats of a smaller radius, where splats of
+    /// STP_OPENS_FINE and of STP_OPENS_COARSE pixels are wanted; 0: none
+    float* opens_below;
     float* level_overhangs; ///< how far spheres of their groups reach beyond its box
 } stp_select_graph;
 
@@ -192,6 +194,8 @@ STP_MUST_USE stp_result stp_select_request_meshes(stp_selection* s, const stp_se
                                                   bool replaced, double to, bool* here);
 /// Whether the levels of its node stand for a part.
 bool stp_select_replaces_part(const stp_selection* s, stp_store_part part);
+/// Error of levels of triangles, in pixels, that is allowed beside splats of a size in pixels.
+double stp_select_level_error(double splat_size);
 /// Fills level_floors and level_overhangs.
 void stp_select_find_levels(const stp_selection* s, stp_select_graph* graph);
 
@@ -210,8 +214,8 @@ stp_draw_item stp_select_splat_item(const stp_selection* s, const stp_select_ent
 /// Appends an item with this many ids, and sets its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);
-/// The coverage radius down to which a node's own set is used.
-double stp_select_reach(const stp_selection* s, uint32_t node);
+/// The coverage radius down to which a node's own set is used, where splats of a size are wanted.
+double stp_select_reach(const stp_selection* s, uint32_t node, double splat_size);
 /// Appends a run of the next item: splats [begin, end) are drawn between two depths.
 STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
                                            stp_depth_range range);

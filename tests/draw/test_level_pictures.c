@@ -7,6 +7,7 @@
 #include "builder/support_level_scenes.h"
 #include "draw/draw.h"
 #include "select/sections.h"
+#include "select/select_internal.h"
 #include "select/visibility.h"
 
 #include <math.h>
@@ -213,6 +214,52 @@ static void look_well(pictures* p)
     p->view.target = (stp_vec3d){0.5, 0, 0};
     p->view.sections.count = 0;
     p->quality = (stp_quality){.splat_size = 2};
+}
+
+/// Allowed error of a level at depth 1, scene units; 0: no level is drawn.
+static double error_of_levels(test_state* test, pictures* p, float splat_size)
+{
+    double error = 0.0;
+    p->quality.splat_size = splat_size;
+    CHECK(select_levels(test, p) > 0);
+    for (size_t i = 0; i < p->list.count; ++i) {
+        if (p->list.items[i].is_level) {
+            error = (double)p->list.items[i].level_per_depth;
+        }
+    }
+    return error;
+}
+
+void test_errors_of_levels_grow_with_the_root_of_the_splat_size(test_state* test)
+{
+    static pictures p;
+    CHECK(begin_pictures(&p, level_scene_torus, false)); // without splats levels are always drawn
+    look_well(&p);
+    const double pixel = 2.0 * tan(22.5 * STP_PI / 180.0) / SIDE;
+    double at_two = error_of_levels(test, &p, 2);
+    CHECK(fabs(at_two - 1.4 * pixel) < 1e-6 * at_two);
+    CHECK(fabs(error_of_levels(test, &p, 1) - 0.25 * at_two) < 1e-6 * at_two);
+    CHECK(fabs(error_of_levels(test, &p, 8) - 2.0 * at_two) < 1e-6 * at_two);
+    CHECK(fabs(error_of_levels(test, &p, 18) - 3.0 * at_two) < 1e-6 * at_two);
+    end_pictures(&p);
+}
+
+// Large splats have many fragments, so a set is left for levels at larger radii.
+void test_large_splats_give_way_to_levels_earlier(test_state* test)
+{
+    static pictures p;
+    CHECK(begin_pictures(&p, level_scene_torus, true));
+    look_well(&p);
+    CHECK(select_levels(test, &p) > 0);
+    const stp_select_graph* graph = p.list.graph;
+    uint32_t opened = 0;
+    for (uint32_t i = 0; i < graph->node_count; ++i) {
+        const float* opens = graph->opens_below + 2 * (size_t)i;
+        opened += opens[0] > 0.0f && opens[1] > opens[0] ? 1 : 0;
+        CHECK(opens[1] >= opens[0]);
+    }
+    CHECK(opened > 0);
+    end_pictures(&p);
 }
 
 void test_levels_are_not_drawn_where_the_quality_forbids_them(test_state* test)
