@@ -97,8 +97,8 @@ static inline lanes_int lanes_round(lanes_float a)
     return (lanes_int)_mm256_cvtps_epi32((__m256)a);
 }
 
-/// Writes four pixels, all of them in the row: neighbours that stay as they are would be written,
-/// too, and may be another thread's.
+/// Writes four fragments side by side. There is no mask: pixels beside a triangle may be another
+/// thread's, and would be written back.
 static inline void write_four(uint64_t* pixels, __m128i far, __m256i id)
 {
     const __m256i top = _mm256_set1_epi64x((long long)(UINT64_C(1) << 63)); // for unsigned order

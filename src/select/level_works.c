@@ -54,7 +54,8 @@ static void add_child(const finder* f, uint32_t child, double scale, double node
     }
 }
 
-/// Triangles of a node's levels that are drawn where the errors size, size / 2, ... are allowed.
+/// Adds to `counts` the triangles of a node's levels that are drawn where errors of size, size / 2
+/// and so on are allowed.
 static void count_drawn(const finder* f, uint32_t node, double counts[ERRORS])
 {
     const stp_store_directory* d = f->s->directory;
