@@ -10,7 +10,7 @@
 
 #include <assert.h>
 
-enum { ERRORS = 24, SIZES = 2 };
+enum { ERRORS = STP_LEVEL_ERRORS, SIZES = 2 };
 
 #define NODE_WORK 32.0  // of visiting a node and preparing its items, in triangles
 #define LEVEL_WORK 0.75 // of a triangle of a level: many face away
@@ -54,43 +54,13 @@ static void add_child(const finder* f, uint32_t child, double scale, double node
     }
 }
 
-/// Adds to `counts` the triangles of a node's levels that are drawn where errors of size, size / 2
-/// and so on are allowed.
-static void count_drawn(const finder* f, uint32_t node, double counts[ERRORS])
-{
-    const stp_store_directory* d = f->s->directory;
-    for (uint32_t i = d->level_starts[node]; i < d->level_starts[node + 1]; ++i) {
-        const stp_store_level* level = &d->levels[i];
-        double each = (double)stp_store_describe_mesh(f->s->store, level->mesh)->triangle_count /
-                      (double)level->cluster_count;
-        for (uint32_t c = 0; c < level->cluster_count; ++c) {
-            const stp_store_level_cluster* cluster = &d->level_clusters[level->first_cluster + c];
-            double made = cluster->made_by == STP_STORE_NONE
-                              ? 0.0
-                              : (double)d->level_groups[cluster->made_by].error;
-            double used = cluster->used_by == STP_STORE_NONE
-                              ? HUGE_VAL
-                              : (double)d->level_groups[cluster->used_by].error;
-            double error = f->sizes[node];
-            int k = 0;
-            for (; k < ERRORS && error >= used; ++k) {
-                error *= 0.5;
-            }
-            for (; k < ERRORS && error >= made; ++k) {
-                counts[k] += each;
-                error *= 0.5;
-            }
-        }
-    }
-}
-
 /// Work of a node that is opened.
 static works find_open(const finder* f, uint32_t index)
 {
     const stp_store_directory* d = f->s->directory;
     const stp_store_node* node = &d->nodes[index];
     works open = {0};
-    double own = NODE_WORK, counts[ERRORS] = {0};
+    double own = NODE_WORK;
     for (uint32_t i = 0; i < node->part_count; ++i) {
         stp_store_part part = d->parts[node->first_part + i];
         own += part.kind != STP_STORE_PART_MESH
@@ -104,16 +74,18 @@ static works find_open(const finder* f, uint32_t index)
             add_child(f, edge->node, stp_affine_scale(&edge->transform), f->sizes[index], &open);
         }
     }
-    bool has_levels = d->level_starts[index] < d->level_starts[index + 1];
+    const float* counts = f->graph->level_counts;
+    bool has_levels = f->graph->level_rows[index] != STP_STORE_NONE;
     if (has_levels) {
-        count_drawn(f, index, counts);
+        counts += ERRORS * (size_t)f->graph->level_rows[index];
     }
     double error = f->sizes[index];
     for (int k = 0; k < ERRORS; ++k, error *= 0.5) {
         // levels stand for all below; what they do not replace is little
         bool levels = has_levels && error >= (double)f->graph->level_floors[index];
         for (int size = 0; size < SIZES; ++size) {
-            open.at[size][k] = levels ? NODE_WORK + LEVEL_WORK * counts[k] : open.at[size][k] + own;
+            open.at[size][k] =
+                levels ? NODE_WORK + LEVEL_WORK * (double)counts[k] : open.at[size][k] + own;
         }
     }
     return open;
@@ -174,8 +146,7 @@ stp_result stp_select_find_level_works(const stp_selection* s, stp_select_graph*
         graph->opens_below[2 * (size_t)i] = graph->opens_below[2 * (size_t)i + 1] = 0.0f;
     }
     for (uint32_t i = 0; good && i < count; ++i) {
-        const stp_boxd* box = &d->nodes[i].bounds;
-        f.sizes[i] = stp_boxd_is_empty(*box) ? 0.0 : stp_lengthd(stp_subd(box->max, box->min));
+        f.sizes[i] = stp_select_node_diagonal(&d->nodes[i]);
         find_node(&f, i, graph->opens_below + 2 * (size_t)i);
     }
     stp_free(s->context, f.works);

@@ -169,21 +169,23 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->others = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
     graph->opens_below = STP_NEW_ARRAY(s->context, float, 2 * (size_t)directory->node_count + 1);
     graph->level_overhangs = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->level_rows = STP_NEW_ARRAY(s->context, uint32_t, (size_t)directory->node_count + 1);
     uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
                                     (size_t)directory->mesh_count + directory->point_set_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
         graph->early_switches == NULL || graph->works == NULL || graph->repeated == NULL ||
         graph->has_sets == NULL || graph->maximum == NULL || graph->level_floors == NULL ||
         graph->level_overhangs == NULL || graph->others == NULL || graph->opens_below == NULL ||
-        last == NULL) {
+        graph->level_rows == NULL || last == NULL) {
         stp_free(s->context, last);
         return stp_fail_memory(s->context); // the next call does not find it, and rebuilds it
     }
     analyze_nodes(s, graph);
     find_repeated(directory, last, graph->repeated);
     stp_select_find_levels(s, graph);
-    stp_result result = stp_select_find_level_works(s, graph);
     stp_free(s->context, last);
+    stp_result result = stp_select_count_levels(s, graph);
+    result = result == STP_OK ? stp_select_find_level_works(s, graph) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -213,6 +215,9 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->others);
         stp_free(context, graph->opens_below);
         stp_free(context, graph->level_overhangs);
+        stp_free(context, graph->level_rows);
+        stp_free(context, graph->level_counts);
+        stp_free(context, graph->level_areas);
         stp_free(context, graph);
     }
 }

@@ -36,6 +36,8 @@ static inline double stp_select_early_switch(const stp_quality* quality)
 #define STP_OPENS_FINE 2.0
 #define STP_OPENS_COARSE 16.0
 
+enum { STP_LEVEL_ERRORS = 24 }; ///< in each row of level_counts
+
 /// A node to visit.
 typedef struct stp_select_entry {
     uint32_t node;
@@ -72,6 +74,11 @@ typedef struct stp_select_graph {
     /// STP_OPENS_FINE and of STP_OPENS_COARSE pixels are wanted; 0: none
     float* opens_below;
     float* level_overhangs; ///< how far spheres of their groups reach beyond its box
+    uint32_t* level_rows;   ///< row of its levels in level_counts; STP_STORE_NONE: it has none
+    /// Rows of STP_LEVEL_ERRORS: triangles of all levels that are drawn where errors of the diagonal
+    /// of the node's box, half of it and so on are allowed
+    float* level_counts;
+    float* level_areas; ///< per row: estimate of the area of the node's surface
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
@@ -194,12 +201,23 @@ STP_MUST_USE stp_result stp_select_request_meshes(stp_selection* s, const stp_se
                                                   bool replaced, double to, bool* here);
 /// Whether the levels of its node stand for a part.
 bool stp_select_replaces_part(const stp_selection* s, stp_store_part part);
-/// Error of levels of triangles, in pixels, that is allowed beside splats of a size in pixels.
-double stp_select_level_error(double splat_size);
 /// Fills level_floors and level_overhangs.
 void stp_select_find_levels(const stp_selection* s, stp_select_graph* graph);
 
-/// Fills opens_below, once level_floors are known. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+// Triangles of levels by allowed error (level_counts.c).
+
+/// Length of the diagonal of a node's box; 0: it is empty.
+double stp_select_node_diagonal(const stp_store_node* node);
+/// Error of levels of triangles, in pixels, that is allowed at most beside splats of a size in
+/// pixels.
+double stp_select_level_error(double splat_size);
+/// The same for a node that has levels: less where that adds few triangles for what they cover.
+double stp_select_node_level_error(const stp_selection* s, const stp_select_entry* at,
+                                   const stp_box_visibility* sight);
+/// Fills level_rows, level_counts and level_areas. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_select_count_levels(const stp_selection* s, stp_select_graph* graph);
+
+/// Fills opens_below, once level_floors and level_counts are known. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_select_find_level_works(const stp_selection* s,
                                                     stp_select_graph* graph);
 

@@ -68,18 +68,6 @@ static double request_levels(stp_selection* s, const stp_select_entry* at,
     return floor;
 }
 
-// The error is a sum of root mean squares. Among the finest splats facets show. Beside larger ones
-// coarser levels save less than they lose: the fragments of large triangles stay
-// (docs/notes/2026-11-level-errors.md).
-#define FINE_ERROR 1.4 ///< of levels, pixels
-#define FINE_SIZE 2.0  ///< of the splats that go with it
-
-double stp_select_level_error(double splat_size)
-{
-    double ratio = splat_size / FINE_SIZE;
-    return FINE_ERROR * (ratio < 1.0 ? ratio * ratio : sqrt(ratio));
-}
-
 /// Whether a node is drawn by levels, and how: without the limits of what is loaded.
 static bool wants_levels(stp_selection* s, const stp_select_entry* at,
                          const stp_box_visibility* sight, stp_levels_use* use)
@@ -91,7 +79,7 @@ static bool wants_levels(stp_selection* s, const stp_select_entry* at,
     }
     double pixel = stp_view_frame_pixel_size(&s->frames[0], 1.0);
     use->per_depth =
-        stp_select_level_error(sight->splat_size) * pixel / stp_affine_scale(&at->transform);
+        stp_select_node_level_error(s, at, sight) * pixel / stp_affine_scale(&at->transform);
     if (!(use->per_depth > 0.0) || !isfinite(use->per_depth)) {
         return false;
     }

@@ -232,15 +232,42 @@ static double error_of_levels(test_state* test, pictures* p, float splat_size)
 
 void test_errors_of_levels_grow_with_the_root_of_the_splat_size(test_state* test)
 {
+    CHECK(fabs(stp_select_level_error(2) - 1.4) < 1e-9);
+    CHECK(fabs(stp_select_level_error(1) - 0.35) < 1e-9);
+    CHECK(fabs(stp_select_level_error(8) - 2.8) < 1e-9);
+    CHECK(fabs(stp_select_level_error(18) - 4.2) < 1e-9);
     static pictures p;
     CHECK(begin_pictures(&p, level_scene_torus, false)); // without splats levels are always drawn
-    look_well(&p);
     const double pixel = 2.0 * tan(22.5 * STP_PI / 180.0) / SIDE;
-    double at_two = error_of_levels(test, &p, 2);
-    CHECK(fabs(at_two - 1.4 * pixel) < 1e-6 * at_two);
-    CHECK(fabs(error_of_levels(test, &p, 1) - 0.25 * at_two) < 1e-6 * at_two);
-    CHECK(fabs(error_of_levels(test, &p, 8) - 2.0 * at_two) < 1e-6 * at_two);
-    CHECK(fabs(error_of_levels(test, &p, 18) - 3.0 * at_two) < 1e-6 * at_two);
+    for (float size = 1.0f; size <= 18.0f; size += 1.0f) {
+        look_well(&p);
+        p.view.eye = (stp_vec3d){0.5, 25, 20}; // small triangles
+        double error = error_of_levels(test, &p, size);
+        CHECK(fabs(error - stp_select_level_error((double)size) * pixel) < 1e-6 * error);
+    }
+    end_pictures(&p);
+}
+
+// From nearby, triangles of the allowed error cover many pixels each: finer ones are drawn.
+void test_levels_of_large_triangles_are_finer(test_state* test)
+{
+    static pictures p;
+    CHECK(begin_pictures(&p, level_scene_torus, false));
+    const double pixel = 2.0 * tan(22.5 * STP_PI / 180.0) / SIDE;
+    double last = HUGE_VAL;
+    uint32_t between = 0;
+    for (double far = 1.0; far < 12.0; far *= 1.05) {
+        p.view.sections.count = 0;
+        p.view.eye = (stp_vec3d){0.5, 2.5 * far, 2.0 * far};
+        p.view.target = (stp_vec3d){0.5, 0, 0};
+        double error = error_of_levels(test, &p, 18) / pixel; // pixels
+        CHECK(error > 1.4 * (1.0 - 1e-6) && error < 4.2 * (1.0 + 1e-6));
+        CHECK(far > 1.0 || error < 1.5);
+        CHECK(error > 0.97 * last || last == HUGE_VAL); // farther ones may be coarser
+        between += error > 1.5 && error < 4.1 ? 1 : 0;
+        last = error;
+    }
+    CHECK(between > 2 && last > 4.1);
     end_pictures(&p);
 }
 
