@@ -114,7 +114,7 @@ void kernel_run_blocks(kernel_case* c)
     effect_output* out = c->output;
     for (int i = 0; i < REPEATS; ++i) {
         stp_cpu_choose_effect_kernels()->spread(in->neighbours, 0.375f, out->mixed,
-                                                ROW / STP_DEPTH_PYRAMID_BLOCK, out->sums[0], ROW);
+                                                ROW / STP_EFFECT_BLOCK, out->sums[0], ROW);
     }
 }
 

@@ -8,6 +8,7 @@
 enum { MAX_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 
 #define ROUNDING 1e-5 ///< relative margin of nearness: rounding error on either side
+#define SNAPPED 0.01  ///< pixels: corners of triangles lie on a grid
 
 /// Sets the sizes of all levels. @return total number of floats
 static size_t choose_levels(stp_depth_pyramid* p, uint32_t width, uint32_t height)
@@ -21,7 +22,7 @@ static size_t choose_levels(stp_depth_pyramid* p, uint32_t width, uint32_t heigh
         p->rows[p->level_count] = rows;
         p->level_count += 1;
         total += (size_t)columns * rows;
-        if (columns == 1 && rows == 1) {
+        if (columns == 1 && rows == 1 && p->level_count > 1) {
             break;
         }
         columns = (columns + 1) / 2;
@@ -52,12 +53,9 @@ static void reduce_pixels(size_t begin, size_t end, uint32_t worker, void* user)
         for (size_t y = row * STP_DEPTH_PYRAMID_BLOCK; y < last; ++y) {
             const float* in = b->nearness + y * b->width;
             for (uint32_t i = 0; i < whole; ++i) {
-                float pairs[4];
-                for (uint32_t k = 0; k < 4; ++k) {
-                    pairs[k] = stp_min(in[8 * i + k], in[8 * i + 4 + k]);
-                }
-                float maximum = stp_min(stp_min(pairs[0], pairs[1]), stp_min(pairs[2], pairs[3]));
-                out[i] = stp_min(out[i], maximum);
+                const float* four = in + (size_t)STP_DEPTH_PYRAMID_BLOCK * i;
+                float least = stp_min(stp_min(four[0], four[1]), stp_min(four[2], four[3]));
+                out[i] = stp_min(out[i], least);
             }
             for (uint32_t x = whole * STP_DEPTH_PYRAMID_BLOCK; x < b->width; ++x) {
                 out[whole] = stp_min(out[whole], in[x]);
@@ -89,6 +87,7 @@ stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* fr
     uint32_t width = (uint32_t)frame->width, height = (uint32_t)frame->height;
     assert(width > 0 && height > 0 && "a valid view");
     pyramid->frame = *frame;
+    pyramid->pushed_back = 1.0;
     size_t total = choose_levels(pyramid, width, height);
     if (total > pyramid->capacity) {
         stp_free(context, pyramid->memory);
@@ -151,22 +150,15 @@ static bool project(const stp_view_frame* f, const double rows[3][4], const stp_
     return true;
 }
 
-bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double rows[3][4],
-                                    const stp_boxd* box, double margin)
+/// Whether all pixels of a footprint within the picture are nearer than `nearness`. False if there
+/// are none.
+static bool hides_footprint(const stp_depth_pyramid* p, footprint at, double nearness)
 {
     const stp_view_frame* f = &p->frame;
-    assert(!(margin < 0.0));
-    double ratio = margin / f->scale; // radius of such a splat over its depth
-    footprint at;
-    if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
-        !project(f, rows, box, f->near_distance / (1.0 - ratio), &at)) {
-        return false;
-    }
-    double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the view axis
-    at.x0 = fmax(at.x0 - wider, 0.0);
-    at.y0 = fmax(at.y0 - wider, 0.0);
-    at.x1 = fmin(at.x1 + wider, f->width - 1.0);
-    at.y1 = fmin(at.y1 + wider, f->height - 1.0);
+    at.x0 = fmax(at.x0, 0.0);
+    at.y0 = fmax(at.y0, 0.0);
+    at.x1 = fmin(at.x1, f->width - 1.0);
+    at.y1 = fmin(at.y1, f->height - 1.0);
     if (!(at.x0 <= at.x1 && at.y0 <= at.y1)) {
         return false;
     }
@@ -183,9 +175,6 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
         y1 /= 2;
     }
     assert(x1 < p->columns[level] && y1 < p->rows[level] && "blocks of the level");
-    // occluders may be drawn half a splat behind their place (draw/cpu)
-    double nearness =
-        f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING);
     for (uint32_t y = y0; y <= y1; ++y) {
         const float* row = p->levels[level] + (size_t)y * p->columns[level];
         for (uint32_t x = x0; x <= x1; ++x) {
@@ -195,6 +184,67 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
         }
     }
     return true;
+}
+
+bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double rows[3][4],
+                                    const stp_boxd* box, double margin)
+{
+    const stp_view_frame* f = &p->frame;
+    assert(!(margin < 0.0));
+    double ratio = margin / f->scale; // radius of such a splat over its depth
+    footprint at;
+    if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
+        !project(f, rows, box, f->near_distance / (1.0 - ratio), &at)) {
+        return false;
+    }
+    double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the view axis
+    at.x0 -= wider;
+    at.y0 -= wider;
+    at.x1 += wider;
+    at.y1 += wider;
+    // occluders may be drawn half a splat behind their place (draw/cpu)
+    return hides_footprint(
+        p, at, f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING));
+}
+
+/// Bound on the rounding error of coordinates in the view that are computed in float.
+static double float_error(const double rows[3][4], const stp_boxd* box)
+{
+    double largest = 0.0;
+    const double reach[3] = {fmax(fabs(box->min.x), fabs(box->max.x)),
+                             fmax(fabs(box->min.y), fabs(box->max.y)),
+                             fmax(fabs(box->min.z), fabs(box->max.z))};
+    for (int k = 0; k < 3; ++k) {
+        double sum = fabs(rows[k][3]);
+        for (int c = 0; c < 3; ++c) {
+            sum += fabs(rows[k][c]) * reach[c];
+        }
+        largest = fmax(largest, sum);
+    }
+    return largest * (4.0 * (double)FLT_EPSILON);
+}
+
+bool stp_depth_pyramid_hides_triangles(const stp_depth_pyramid* p, const double rows[3][4],
+                                       const stp_boxd* box)
+{
+    const stp_view_frame* f = &p->frame;
+    footprint at;
+    if (p->level_count == 0 || stp_boxd_is_empty(*box) ||
+        !project(f, rows, box, f->near_distance, &at)) {
+        return false;
+    }
+    double error = float_error(rows, box), nearest = at.depth - error;
+    if (!(nearest > 0.5 * at.depth)) {
+        return false;
+    }
+    // a pixel is hit if its centre is inside
+    double wider = SNAPPED + error * f->scale / nearest * (1.0 + f->corner);
+    at.x0 -= 0.5 + wider;
+    at.y0 -= 0.5 + wider;
+    at.x1 += wider - 0.5;
+    at.y1 += wider - 0.5;
+    assert(p->pushed_back >= 1.0);
+    return hides_footprint(p, at, f->near_distance / (nearest * p->pushed_back) * (1.0 + ROUNDING));
 }
 
 bool stp_depth_pyramid_hides(const stp_depth_pyramid* p, const stp_boxd* box, double margin)

@@ -114,6 +114,84 @@ void test_depth_pyramid_never_hides_what_can_be_seen(test_state* test)
     stp_context_destroy(context);
 }
 
+/// Nearest depth at which the ray through a pixel's centre is in a box; 0: it misses.
+static double enter_box(const stp_view_frame* f, const stp_boxd* box, uint32_t x, uint32_t y)
+{
+    stp_vec3d ray =
+        stp_addd(f->forward, stp_addd(stp_scaled(f->right, (x + 0.5 - f->center_x) / f->scale),
+                                      stp_scaled(f->down, (y + 0.5 - f->center_y) / f->scale)));
+    const double from[3] = {f->eye.x, f->eye.y, f->eye.z}, along[3] = {ray.x, ray.y, ray.z};
+    const double low[3] = {box->min.x, box->min.y, box->min.z};
+    const double high[3] = {box->max.x, box->max.y, box->max.z};
+    double begin = 0.0, end = HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+        double a = (low[k] - from[k]) / along[k], b = (high[k] - from[k]) / along[k];
+        begin = fmax(begin, fmin(a, b));
+        end = fmin(end, fmax(a, b));
+    }
+    return begin <= end ? begin : 0.0;
+}
+
+// Triangles in a box hit pixels whose centres are inside; theirs and those of the picture are
+// pushed back alike.
+void test_depth_pyramid_hides_triangles_exactly(test_state* test)
+{
+    static float nearness[MAX_WIDTH * MAX_HEIGHT];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_depth_pyramid pyramid = {0};
+    int hidden = 0, kept = 0, more = 0;
+    for (uint64_t round = 0; round < 40; ++round) {
+        stp_view view = {.eye = {0.3, -0.2, 0.1},
+                         .target = {uniform(round, 0, -5, 5), uniform(round, 1, -5, 5),
+                                    uniform(round, 2, -5, 5)},
+                         .up = {0, 1, 0},
+                         .fov_degrees = 70,
+                         .near_distance = 0.01,
+                         .width = MAX_WIDTH - (uint32_t)round % 7,
+                         .height = MAX_HEIGHT - (uint32_t)round % 11};
+        make_picture(round, &view, nearness);
+        CHECK_EQUAL(STP_OK, make_pyramid(context, &view, nearness, &pyramid));
+        CHECK(pyramid.pushed_back == 1.0);
+        pyramid.pushed_back = 1.0 + 0.02 * (double)(round % 3);
+        const stp_view_frame* f = &pyramid.frame;
+        const stp_vec3d axes[3] = {f->right, f->down, f->forward};
+        double rows[3][4];
+        for (int k = 0; k < 3; ++k) {
+            memcpy(rows[k], &axes[k], 3 * sizeof(double));
+            rows[k][3] = -stp_dotd(axes[k], f->eye);
+        }
+        for (uint64_t k = 0; k < 60; ++k) {
+            double depth = uniform(round, 100 + 8 * k, 0.3, 24.0);
+            double across = uniform(round, 101 + 8 * k, -0.8, 0.8);
+            double below = uniform(round, 102 + 8 * k, -0.8, 0.8);
+            stp_vec3d aside = stp_addd(stp_scaled(f->right, across), stp_scaled(f->down, below));
+            stp_vec3d c = stp_addd(f->eye, stp_scaled(stp_addd(f->forward, aside), depth));
+            double size = depth * uniform(round, 103 + 8 * k, 0.002, 0.2);
+            stp_vec3d half = {size * uniform(round, 104 + 8 * k, 0, 1),
+                              size * uniform(round, 105 + 8 * k, 0, 1),
+                              size * uniform(round, 106 + 8 * k, 0, 1)};
+            stp_boxd box = {stp_subd(c, half), stp_addd(c, half)};
+            bool truly = true;
+            for (uint32_t y = 0; y < view.height; ++y) {
+                for (uint32_t x = 0; x < view.width; ++x) {
+                    double z = enter_box(f, &box, x, y) * pyramid.pushed_back;
+                    truly = truly && (!(z > 0.0) ||
+                                      (double)nearness[y * view.width + x] > f->near_distance / z);
+                }
+            }
+            bool said = stp_depth_pyramid_hides_triangles(&pyramid, (const double(*)[4])rows, &box);
+            CHECK(truly || !said);
+            hidden += said;
+            kept += truly && !said;
+            more += said && !stp_depth_pyramid_hides(&pyramid, &box, 0.0);
+        }
+    }
+    CHECK(hidden > 200 && kept < hidden && more > 20);
+    stp_depth_pyramid_destroy(context, &pyramid);
+    stp_context_destroy(context);
+}
+
 void test_depth_pyramid_hides_nothing_undecided(test_state* test)
 {
     static float nearness[64 * 64];
@@ -156,14 +234,16 @@ void test_depth_pyramid_memory_and_threads(test_state* test)
                      .width = MAX_WIDTH,
                      .height = MAX_HEIGHT};
     make_picture(4, &view, nearness);
-    float first[26 * 17];
+    float first[51 * 34];
     for (uint32_t threads = 1; threads <= 3; ++threads) {
         stp_context* context = test_context(NULL, threads, NULL);
         CHECK(context != NULL);
         stp_depth_pyramid pyramid = {0};
         CHECK_EQUAL(STP_OK, make_pyramid(context, &view, nearness, &pyramid));
-        CHECK_EQUAL(26, pyramid.columns[0]);
-        CHECK_EQUAL(17, pyramid.rows[0]);
+        CHECK_EQUAL(51, pyramid.columns[0]);
+        CHECK_EQUAL(34, pyramid.rows[0]);
+        CHECK_EQUAL(26, pyramid.columns[1]);
+        CHECK_EQUAL(17, pyramid.rows[1]);
         if (threads == 1) {
             memcpy(first, pyramid.levels[0], sizeof(first));
         }

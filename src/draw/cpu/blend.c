@@ -44,7 +44,7 @@ static uint32_t count_blocks(uint32_t pixels, uint32_t shift)
 static stp_result make_blocks(stp_cpu_renderer* r)
 {
     stp_cpu_blend* b = &r->blend;
-    b->block_shift = 3 + stp_cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
+    b->block_shift = CPU_FIRST_SHIFT + stp_cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
     size_t columns = count_blocks(r->width, b->block_shift);
     size_t count = columns * count_blocks(r->height, b->block_shift);
     return STP_MAKE_ROOM(r->base.context, b->blocks, b->block_capacity, 2 * count)

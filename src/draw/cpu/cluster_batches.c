@@ -61,8 +61,10 @@ uint32_t stp_cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t coun
     return kept;
 }
 
-/// Leaves out a cluster that does not continue the ids of the batch: the file was overwritten.
-static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, batch* b)
+/// Adds a cluster, unless the pyramid hides it. Leaves out one that does not continue the ids of the
+/// batch: the file was overwritten. @return whether the pyramid hides it
+static bool add_cluster(const stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t index,
+                        float share, batch* b)
 {
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
@@ -70,9 +72,13 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, b
     if (b->cluster_count == 0) {
         b->first_triangle = cluster.first_triangle;
     } else if (cluster.first_triangle != b->first_triangle + b->triangle_count) {
-        return;
+        return false;
     }
-    stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
+    float* positions = b->positions + 3 * (size_t)b->vertex_count;
+    stp_cluster_positions(&item->clusters, &cluster, positions);
+    if (stp_cpu_hides_cluster(r, item, positions, cluster.vertex_count)) {
+        return true;
+    }
     uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;
     stp_cluster_indices(&cluster, b->vertex_count, indices);
     b->kept +=
@@ -80,6 +86,7 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, float share, b
     b->vertex_count += cluster.vertex_count;
     b->triangle_count += cluster.triangle_count;
     b->cluster_count += 1;
+    return false;
 }
 
 /// Whether any of a cluster may be visible.
@@ -119,14 +126,12 @@ bool stp_cpu_draw_clusters(const stp_cpu_renderer* r, const stp_cpu_item* item,
             bool seen = share > 0.0f &&
                         !stp_cpu_sections_drop(&sections, item, box, &keep.section_mask) &&
                         is_seen(r, item, &bounding, box, 1u << (i - range->begin), range);
-            if (!seen && b->cluster_count != 0) {
-                i += 1;
+            bool hidden = seen && add_cluster(r, item, i, share, b);
+            range->hidden |= hidden ? 1u << (i - range->begin) : 0;
+            i += 1;
+            if ((!seen || hidden) && b->cluster_count != 0) {
                 break; // ids of a batch are consecutive
             }
-            if (seen) {
-                add_cluster(item, i, share, b);
-            }
-            i += 1;
         }
         enough = draw_batch(r, item, b, target, &keep, worker);
     }

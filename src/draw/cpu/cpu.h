@@ -33,6 +33,7 @@ enum {
     CPU_TASK_CLUSTERS = 32,
     CPU_BAND_ROWS = 16,
     CPU_ENCODE_SIZE = 16384,
+    CPU_FIRST_SHIFT = 2, ///< blocks of a depth pyramid's level 0 are 2^2 pixels wide
 };
 
 /// A texture, decoded as colour, as data, or both.
@@ -340,8 +341,12 @@ uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* f
                               uint32_t level_count);
 /// Prepares the occlusion test of all items before `first` with content occluded for the eye.
 void stp_cpu_place_late_occluders(stp_cpu_renderer* r, const stp_draw_list* list, size_t first);
-/// Whether the pyramid occludes a box in item space.
+/// Whether the pyramid occludes all triangles in a box in item space.
 bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box box);
+/// Whether there is a pyramid and it occludes a cluster, by the box of its decoded positions. That
+/// of the cluster itself may be up to twice as large.
+bool stp_cpu_hides_cluster(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           const float* positions, uint32_t count);
 /// Writes the nearest of the workers' buffers to `depth`, for rows [begin, end): lower bounds of
 /// the true nearness, 0 for background.
 void stp_cpu_find_depths(stp_cpu_renderer* r, uint32_t begin, uint32_t end, stp_cpu_worker* worker);

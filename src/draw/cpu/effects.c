@@ -119,16 +119,18 @@ static void spread_pyramid(size_t begin, size_t end, uint32_t worker, void* user
 {
     const effect_frame* f = user;
     const stp_depth_pyramid* p = f->pyramid;
+    const uint32_t level = STP_EFFECT_LEVEL;
+    assert(level < p->level_count);
     float* mixed = scratch_row(f, worker, 0);
-    assert(p->columns[0] + 2 <= f->stride - f->pad && "blocks and both their ends fit a row");
+    assert(p->columns[level] + 2 <= f->stride - f->pad && "blocks and both their ends fit a row");
     for (size_t y = begin; y < end; ++y) {
-        float at = ((float)y + 0.5f) / (float)STP_DEPTH_PYRAMID_BLOCK - 0.5f;
+        float at = ((float)y + 0.5f) / (float)STP_EFFECT_BLOCK - 0.5f;
         at = at > 0.0f ? at : 0.0f;
-        uint32_t above = (uint32_t)at, below = above + 1 < p->rows[0] ? above + 1 : above;
-        const float* rows[2] = {p->levels[0] + (size_t)above * p->columns[0],
-                                p->levels[0] + (size_t)below * p->columns[0]};
+        uint32_t above = (uint32_t)at, below = above + 1 < p->rows[level] ? above + 1 : above;
+        const float* rows[2] = {p->levels[level] + (size_t)above * p->columns[level],
+                                p->levels[level] + (size_t)below * p->columns[level]};
         float* out = row_of(f, f->far, (int64_t)y);
-        f->kernels->spread(rows, at - (float)above, mixed, p->columns[0], out, f->r->width);
+        f->kernels->spread(rows, at - (float)above, mixed, p->columns[level], out, f->r->width);
         fill_pads(f, out, -1.0f);
     }
 }

@@ -14,6 +14,9 @@
 
 enum {
     EFFECT_BAND_ROWS = 8,
+    /// Level of the depth pyramid that stands for the surroundings, and the side of its blocks
+    STP_EFFECT_LEVEL = 1,
+    STP_EFFECT_BLOCK = STP_DEPTH_PYRAMID_BLOCK << STP_EFFECT_LEVEL,
 };
 
 /// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the

@@ -128,14 +128,14 @@ static void spread_blocks(const float* const rows[2], float share, float* restri
                           uint32_t columns, float* restrict out, uint32_t count)
 {
     const float* restrict above = rows[0], * restrict below = rows[1];
-    assert(count <= columns * STP_DEPTH_PYRAMID_BLOCK && "blocks cover the row");
+    assert(count <= columns * STP_EFFECT_BLOCK && "blocks cover the row");
     assert(share >= 0.0f && share < 1.0f);
     for (uint32_t i = 0; i < columns; ++i) {
         mixed[i + 1] = above[i] + (below[i] - above[i]) * share;
     }
     mixed[0] = mixed[1]; // half a block before the first middle and after the last
     mixed[columns + 1] = mixed[columns];
-    const uint32_t size = STP_DEPTH_PYRAMID_BLOCK;
+    const uint32_t size = STP_EFFECT_BLOCK;
     for (uint32_t i = 0; i <= columns; ++i) { // from the middle of block i - 1 to that of block i
         uint32_t first = i == 0 ? 0 : i * size - size / 2, last = i * size + size / 2;
         last = last < count ? last : count;

@@ -29,14 +29,19 @@ static void add_triangles(const uint32_t* corners, uint32_t number, uint32_t cou
     }
 }
 
-static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_sided, float share,
-                        batch* b)
+/// Adds a cluster, unless the pyramid hides it. @return whether it does
+static bool add_cluster(const stp_cpu_renderer* r, const stp_cpu_item* item, uint32_t index,
+                        uint32_t one_sided, float share, batch* b)
 {
     assert(b->cluster_count < BATCH_CLUSTERS && index < item->clusters.cluster_count);
     stp_cluster cluster;
     uint32_t corners[3 * STP_CLUSTER_TRIANGLES];
     stp_clusters_get_shape(&item->clusters, index, &cluster);
-    stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
+    float* positions = b->positions + 3 * (size_t)b->vertex_count;
+    stp_cluster_positions(&item->clusters, &cluster, positions);
+    if (stp_cpu_hides_cluster(r, item, positions, cluster.vertex_count)) {
+        return true;
+    }
     stp_cluster_indices(&cluster, b->vertex_count, corners);
     uint32_t count = cluster.triangle_count, number = cluster.first_triangle;
     one_sided = one_sided < count ? one_sided : count;
@@ -53,6 +58,7 @@ static void add_cluster(const stp_cpu_item* item, uint32_t index, uint32_t one_s
     }
     b->vertex_count += cluster.vertex_count;
     b->cluster_count += 1;
+    return false;
 }
 
 static bool draw_some(const stp_cpu_renderer* r, const stp_cpu_item* item, const batch* b,
@@ -130,7 +136,8 @@ bool stp_cpu_draw_level(const stp_cpu_renderer* r, const stp_cpu_item* item,
             }
             b->vertex_count = b->cluster_count = b->one_sided = b->two_sided = 0;
         }
-        add_cluster(item, i, choice.clusters[i].one_sided, share, b);
+        bool hidden = add_cluster(r, item, i, choice.clusters[i].one_sided, share, b);
+        range->hidden |= hidden ? 1u << (i - range->begin) : 0;
         if (b->cluster_count == BATCH_CLUSTERS) {
             enough = draw_batch(r, item, b, facing, target, worker);
         }

@@ -8,7 +8,7 @@
 #include <assert.h>
 
 /// Pyramid levels used for splats: blocks of up to 64 pixels.
-enum { MAX_SHIFT = 6, FIRST_SHIFT = 3 };
+enum { MAX_SHIFT = 6 };
 
 stp_result stp_cpu_prepare_late(stp_cpu_renderer* r, size_t first)
 {
@@ -52,11 +52,11 @@ uint32_t stp_cpu_choose_level(const stp_cpu_renderer* r, const stp_view_frame* f
     double width = 2.0 * (1.1 * (double)r->splat_size * frame->corner + 0.51);
     double maximum = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
     uint32_t level = 0;
-    while (level + 1 < level_count && level < MAX_SHIFT - FIRST_SHIFT && maximum < width) {
+    while (level + 1 < level_count && level < MAX_SHIFT - CPU_FIRST_SHIFT && maximum < width) {
         level += 1;
         maximum *= 2.0;
     }
-    assert(level < level_count && level <= MAX_SHIFT - FIRST_SHIFT);
+    assert(level < level_count && level <= MAX_SHIFT - CPU_FIRST_SHIFT);
     return level;
 }
 
@@ -81,7 +81,7 @@ stp_raster_occluder stp_cpu_make_occluder(const stp_view_frame* frame, const dou
                                           const stp_affine* transform, const float* windows,
                                           uint32_t columns, uint32_t shift)
 {
-    assert(columns > 0 && shift >= FIRST_SHIFT && shift <= MAX_SHIFT);
+    assert(columns > 0 && shift >= CPU_FIRST_SHIFT && shift <= MAX_SHIFT);
     stp_raster_occluder occluder = {
         .windows = windows,
         .columns = columns,
@@ -118,7 +118,7 @@ void stp_cpu_place_occluder(const stp_cpu_renderer* r, const stp_draw_item* draw
     uint32_t level = r->eye->window_level;
     item->occluder =
         stp_cpu_make_occluder(&p->frame, (const double(*)[4])item->occluder_rows, &draw->transform,
-                              r->eye->windows, p->columns[level], FIRST_SHIFT + level);
+                              r->eye->windows, p->columns[level], CPU_FIRST_SHIFT + level);
     double behind = 1.0 + r->mesh_depth / p->frame.scale;
     item->occluder.behind = (float)(behind * (1.0 + 1e-5));
 }
@@ -142,6 +142,22 @@ bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box 
 {
     assert(r->occluding != NULL && "rows were placed for a pyramid");
     stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
-    return stp_depth_pyramid_hides_placed(r->occluding, (const double(*)[4])item->occluder_rows,
-                                          &wide, r->mesh_depth);
+    return stp_depth_pyramid_hides_triangles(r->occluding, (const double(*)[4])item->occluder_rows,
+                                             &wide);
+}
+
+/// Box of `count` positions, at least one.
+static stp_box find_box(const float* positions, uint32_t count)
+{
+    stp_box box = stp_box_empty();
+    for (uint32_t i = 0; i < count; ++i, positions += 3) {
+        stp_box_add(&box, (stp_vec3){positions[0], positions[1], positions[2]});
+    }
+    return box;
+}
+
+bool stp_cpu_hides_cluster(const stp_cpu_renderer* r, const stp_cpu_item* item,
+                           const float* positions, uint32_t count)
+{
+    return r->occluding != NULL && stp_cpu_hides(r, item, find_box(positions, count));
 }

@@ -56,16 +56,18 @@ static void find_depths(size_t begin, size_t end, uint32_t worker, void* user)
     stp_cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
-/// Builds the pyramid of the current eye from its depths. Its picture may be shifted by a fraction
-/// of a pixel.
-static stp_result make_pyramid(stp_cpu_renderer* r)
+/// Builds the pyramid of the current eye from its depths: true ones, or those of the buffers, where
+/// triangles are pushed back. Its picture may be shifted by a fraction of a pixel.
+static stp_result make_pyramid(stp_cpu_renderer* r, bool of_buffers)
 {
+    stp_depth_pyramid* pyramid = &r->pyramids[r->eye - r->eyes];
     stp_view_frame frame = r->frame;
     frame.center_x += r->shift_x;
     frame.center_y += r->shift_y;
     r->eye->made = true;
-    return stp_depth_pyramid_fill(r->base.context, &frame, r->depth,
-                                  &r->pyramids[r->eye - r->eyes]);
+    stp_result result = stp_depth_pyramid_fill(r->base.context, &frame, r->depth, pyramid);
+    pyramid->pushed_back = of_buffers ? 1.0 + r->mesh_depth / frame.scale : 1.0;
+    return result;
 }
 
 stp_result stp_cpu_select_sample(stp_cpu_renderer* r)
@@ -94,7 +96,7 @@ static stp_result select_rejected(stp_cpu_renderer* r, size_t first)
         select_eye(r, i);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
         double start = stp_clock_ms();
-        result = stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r);
+        result = stp_cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r, true);
         passes->select_ms += stp_clock_ms() - start;
     }
     double start = stp_clock_ms();
@@ -166,7 +168,7 @@ static stp_result finish_picture(stp_cpu_renderer* r, stp_draw_stats* stats)
         stats->effect_ms += stp_clock_ms() - start;
     }
     if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
-        result = make_pyramid(r);
+        result = make_pyramid(r, false);
     }
     if (result == STP_OK && layered) {
         double start = stp_clock_ms();
