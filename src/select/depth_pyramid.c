@@ -118,35 +118,51 @@ typedef struct footprint {
     double x0, y0, x1, y1, depth;
 } footprint;
 
+/// One coordinate in the view of a box's eight corners.
+static void place_corners(const double row[4], const stp_boxd* box, double out[8])
+{
+    const double steps[3] = {row[0] * (box->max.x - box->min.x), row[1] * (box->max.y - box->min.y),
+                             row[2] * (box->max.z - box->min.z)};
+    out[0] = row[0] * box->min.x + row[1] * box->min.y + row[2] * box->min.z + row[3];
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 1 << k; ++i) {
+            out[(1 << k) + i] = out[i] + steps[k];
+        }
+    }
+}
+
 /// @return false if a corner is not beyond `near`
 static bool project(const stp_view_frame* f, const double rows[3][4], const stp_boxd* box,
                     double near, footprint* out)
 {
-    *out = (footprint){HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, HUGE_VAL};
-    double x[3][2], y[3][2], z[3][2]; // contribution of each coordinate's ends to each axis
-    for (int k = 0; k < 3; ++k) {
-        x[k][0] = rows[k][0] * box->min.x + rows[k][3];
-        x[k][1] = rows[k][0] * box->max.x + rows[k][3];
-        y[k][0] = rows[k][1] * box->min.y;
-        y[k][1] = rows[k][1] * box->max.y;
-        z[k][0] = rows[k][2] * box->min.z;
-        z[k][1] = rows[k][2] * box->max.z;
+    double x[8], y[8], depth[8];
+    place_corners(rows[2], box, depth);
+    out->depth = depth[0];
+    for (int i = 1; i < 8; ++i) {
+        out->depth = stp_mind(depth[i], out->depth);
     }
+    if (!(out->depth > near)) {
+        return false;
+    }
+    place_corners(rows[0], box, x);
+    place_corners(rows[1], box, y);
     for (int i = 0; i < 8; ++i) {
-        int a = i & 1, b = i >> 1 & 1, c = i >> 2;
-        double depth = x[2][a] + y[2][b] + z[2][c];
-        if (!(depth > near)) {
-            return false;
-        }
-        double inverse = f->scale / depth;
-        double u = f->center_x + (x[0][a] + y[0][b] + z[0][c]) * inverse;
-        double v = f->center_y + (x[1][a] + y[1][b] + z[1][c]) * inverse;
-        out->x0 = fmin(out->x0, u);
-        out->x1 = fmax(out->x1, u);
-        out->y0 = fmin(out->y0, v);
-        out->y1 = fmax(out->y1, v);
-        out->depth = fmin(out->depth, depth);
+        double inverse = f->scale / depth[i];
+        x[i] *= inverse;
+        y[i] *= inverse;
     }
+    out->x0 = out->x1 = x[0];
+    out->y0 = out->y1 = y[0];
+    for (int i = 1; i < 8; ++i) {
+        out->x0 = stp_mind(x[i], out->x0);
+        out->x1 = stp_maxd(x[i], out->x1);
+        out->y0 = stp_mind(y[i], out->y0);
+        out->y1 = stp_maxd(y[i], out->y1);
+    }
+    out->x0 += f->center_x;
+    out->x1 += f->center_x;
+    out->y0 += f->center_y;
+    out->y1 += f->center_y;
     return true;
 }
 
@@ -155,10 +171,10 @@ static bool project(const stp_view_frame* f, const double rows[3][4], const stp_
 static bool hides_footprint(const stp_depth_pyramid* p, footprint at, double nearness)
 {
     const stp_view_frame* f = &p->frame;
-    at.x0 = fmax(at.x0, 0.0);
-    at.y0 = fmax(at.y0, 0.0);
-    at.x1 = fmin(at.x1, f->width - 1.0);
-    at.y1 = fmin(at.y1, f->height - 1.0);
+    at.x0 = stp_maxd(at.x0, 0.0);
+    at.y0 = stp_maxd(at.y0, 0.0);
+    at.x1 = stp_mind(at.x1, f->width - 1.0);
+    at.y1 = stp_mind(at.y1, f->height - 1.0);
     if (!(at.x0 <= at.x1 && at.y0 <= at.y1)) {
         return false;
     }
@@ -211,15 +227,15 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
 static double float_error(const double rows[3][4], const stp_boxd* box)
 {
     double largest = 0.0;
-    const double reach[3] = {fmax(fabs(box->min.x), fabs(box->max.x)),
-                             fmax(fabs(box->min.y), fabs(box->max.y)),
-                             fmax(fabs(box->min.z), fabs(box->max.z))};
+    const double reach[3] = {stp_maxd(fabs(box->min.x), fabs(box->max.x)),
+                             stp_maxd(fabs(box->min.y), fabs(box->max.y)),
+                             stp_maxd(fabs(box->min.z), fabs(box->max.z))};
     for (int k = 0; k < 3; ++k) {
         double sum = fabs(rows[k][3]);
         for (int c = 0; c < 3; ++c) {
             sum += fabs(rows[k][c]) * reach[c];
         }
-        largest = fmax(largest, sum);
+        largest = stp_maxd(largest, sum);
     }
     return largest * (4.0 * (double)FLT_EPSILON);
 }

@@ -217,7 +217,8 @@ double stp_select_node_level_error(const stp_selection* s, const stp_select_entr
 /// Fills level_rows, level_counts and level_areas. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_select_count_levels(const stp_selection* s, stp_select_graph* graph);
 
-/// Fills opens_below, once level_floors and level_counts are known. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Fills opens_below, once level_floors and level_counts are known. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_select_find_level_works(const stp_selection* s,
                                                     stp_select_graph* graph);
 

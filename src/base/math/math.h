@@ -31,6 +31,11 @@ static inline double stp_maxd(double a, double b)
     return a > b ? a : b;
 }
 
+static inline double stp_mind(double a, double b)
+{
+    return a < b ? a : b;
+}
+
 /// NaN becomes `low`.
 static inline double stp_clampd(double x, double low, double high)
 {
