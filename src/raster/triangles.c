@@ -21,7 +21,8 @@ typedef struct chunk_memory {
 /// Positions and indices of a chunk of unconnected triangles.
 typedef struct soup_memory {
     float positions[3 * CHUNK_VERTICES];
-    uint32_t indices[CHUNK_VERTICES];
+    uint32_t indices[CHUNK_VERTICES]; ///< 0, 1, 2 and so on
+    size_t index_count;               ///< written so far
 } soup_memory;
 
 static const stp_triangle_kernels* choose_kernels(void)
@@ -223,9 +224,10 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
         if (*soup == NULL) {
             return false;
         }
-        for (uint32_t i = 0; i < CHUNK_VERTICES; ++i) {
-            (*soup)->indices[i] = i;
-        }
+        (*soup)->index_count = 0;
+    }
+    for (; (*soup)->index_count < corner_count; ++(*soup)->index_count) {
+        (*soup)->indices[(*soup)->index_count] = (uint32_t)(*soup)->index_count;
     }
     for (size_t i = 0; i < corner_count; ++i) {
         memcpy((*soup)->positions + 3 * i, mesh->positions + 3 * (size_t)indices[i],
