@@ -114,6 +114,9 @@ typedef struct stp_paint_report {
     uint32_t samples; ///< per pixel, so far
     uint32_t missing; ///< items drawn coarser than wanted because they are not loaded
     uint32_t coming;  ///< those of them that later pictures will have
+    /// Share of the picture's width and height that was drawn, then enlarged: below 1 where the
+    /// largest splats do not meet stp_paint_desc.budget_ms
+    float resolution;
 } stp_paint_report;
 
 /// Draws a picture.

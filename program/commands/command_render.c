@@ -248,8 +248,13 @@ static stp_result draw_frames(session* s)
     stp_result result = STP_OK;
     if (args.draw.budget_ms > 0.0) {
         stp_budget budget;
+        frame_maker* maker = &s->drawing.maker;
         stp_budget_init(&budget, (stp_controller)args.draw.controller, args.draw.budget_ms);
-        result = frame_settle(&s->drawing.maker, &s->view, &budget, &s->quality, &s->image);
+        if (!maker->uses_gl) {
+            stp_budget_lower_resolution(&budget);
+        }
+        result = frame_settle(maker, &s->view, &budget, &s->quality, &s->image);
+        maker->style.resolution = stp_budget_resolution(&budget);
     }
     if (result == STP_OK) {
         result = frame_draw_loaded(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[0]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program/drawing/flight_report.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static json_t* describe_counts(const flight_record* record, flight_value value)
@@ -137,6 +138,18 @@ void flight_print(const flight_record* record)
                record->budget_ms, 100.0 * part_within(record, record->budget_ms),
                100.0 * part_within(record, 1.1 * record->budget_ms),
                100.0 * part_within(record, 1.5 * record->budget_ms));
+        double least = 1.0;
+        uint32_t lower = 0;
+        for (uint32_t i = 0; i < record->frame_count; ++i) {
+            double resolution = stp_frame_resolution(&record->frames[i].cost);
+            least = fmin(least, resolution);
+            lower += resolution < 1.0 ? 1 : 0;
+        }
+        if (lower > 0) {
+            printf("at a lower resolution %u of %u frames, at least %.0f %% of the width and "
+                   "height\n",
+                   lower, record->frame_count, 100.0 * least);
+        }
     }
     if (record->has_popping) {
         printf("\npopping (0 to 255), of the blocks: 50 %% %.3f, 99.9 %% %.3f, all %.3f\n",

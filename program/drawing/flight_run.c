@@ -87,6 +87,9 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
 {
     stp_budget budget;
     stp_budget_init(&budget, plan->controller, plan->budget_ms);
+    if (!maker->uses_gl) {
+        stp_budget_lower_resolution(&budget);
+    }
     stp_quality quality = plan->quality;
     const stp_draw_style whole = maker->style;
     stp_result result = warm_up(maker, plan, record, &budget, image);
@@ -97,6 +100,7 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
         }
         uint32_t left_out = plan->budget_ms > 0.0 ? stp_budget_left_out(&budget) : 0;
         maker->style = stp_draw_style_without(&whole, left_out);
+        maker->style.resolution = plan->budget_ms > 0.0 ? stp_budget_resolution(&budget) : 0.0f;
         result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
         stp_budget_update(&budget, &record->frames[i].cost);
         if (result == STP_OK) {
@@ -231,6 +235,7 @@ static stp_result study_frame(study* s, uint32_t i)
     }
     const stp_draw_style style = s->maker->style;
     s->maker->style = stp_draw_style_without(&style, s->record->frames[i].left_out);
+    s->maker->style.resolution = s->record->frames[i].cost.resolution;
     stp_result result = frame_draw_loaded(s->maker, &view, &quality, &s->ours[i & 1], &figures);
     s->maker->style = style;
     if (result == STP_OK && plan->sink != NULL) {
@@ -328,7 +333,7 @@ double flight_triangles(const frame_figures* figures)
 
 double flight_splat_size(const frame_figures* figures)
 {
-    return (double)figures->cost.splat_size;
+    return stp_frame_splat_size(&figures->cost);
 }
 
 double flight_draw_calls(const frame_figures* figures)

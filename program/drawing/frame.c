@@ -270,6 +270,7 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
                     stp_clock_ms() - start < settle_ms && !tool_is_interrupted();
          ++i) {
         maker->style = stp_draw_style_without(&whole, stp_budget_left_out(budget));
+        maker->style.resolution = stp_budget_resolution(budget);
         result = frame_draw(maker, view, quality, image, &figures);
         if (result == STP_OK) {
             stp_budget_update(budget, &figures.cost);
@@ -320,14 +321,14 @@ json_t* frame_describe(const frame_figures* f)
 {
     const stp_frame_cost* c = &f->cost;
     return json_pack(
-        "{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
-        "splat_size", (double)c->splat_size, "frame_ms", c->milliseconds, "select_ms", f->select_ms,
-        "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats", (json_int_t)f->splats,
-        "fragments", (json_int_t)c->fragments, "clusters", (json_int_t)f->clusters, "triangles",
-        (json_int_t)f->triangles, "listed_splats", (json_int_t)c->splats, "listed_triangles",
-        (json_int_t)c->triangles, "nodes", (json_int_t)f->nodes, "draw_calls",
-        (json_int_t)c->draw_calls, "covered_pixels", (json_int_t)c->covered_pixels, "layers",
-        (json_int_t)f->layers, "gl", describe_gl(f));
+        "{s:f, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}",
+        "splat_size", stp_frame_splat_size(c), "resolution", stp_frame_resolution(c), "frame_ms",
+        c->milliseconds, "select_ms", f->select_ms, "draw_ms", f->draw_ms, "shade_ms", f->shade_ms,
+        "splats", (json_int_t)f->splats, "fragments", (json_int_t)c->fragments, "clusters",
+        (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "listed_splats",
+        (json_int_t)c->splats, "listed_triangles", (json_int_t)c->triangles, "nodes",
+        (json_int_t)f->nodes, "draw_calls", (json_int_t)c->draw_calls, "covered_pixels",
+        (json_int_t)c->covered_pixels, "layers", (json_int_t)f->layers, "gl", describe_gl(f));
 }
 
 /// Name of the renderer's device: the CPU, or the OpenGL device.

@@ -87,7 +87,16 @@ typedef struct stp_draw_style {
     /// Effects that a budget left out of the style (draw/frame_effects.h). Pictures do not depend on
     /// it.
     uint32_t left_out;
+    /// Share of the picture's width and height that stp_renderer_draw_selected draws, and enlarges to
+    /// its size; 0 and from 1 on: all
+    float resolution;
 } stp_draw_style;
+
+/// Share of a picture's width and height that a style draws; 1: all.
+static inline float stp_draw_resolution(const stp_draw_style* style)
+{
+    return style->resolution > 0.0f && style->resolution < 1.0f ? style->resolution : 1.0f;
+}
 
 /// Whether two styles give the same picture.
 static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_draw_style* b)
@@ -104,7 +113,7 @@ static inline bool stp_draw_style_is_same(const stp_draw_style* a, const stp_dra
            a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
            a->elevation[1] == b->elevation[1] && a->caps == b->caps &&
            a->back_faces == b->back_faces && a->pixel_filter == b->pixel_filter &&
-           a->plane_depth == b->plane_depth;
+           a->plane_depth == b->plane_depth && stp_draw_resolution(a) == stp_draw_resolution(b);
 }
 
 typedef struct stp_draw_stats {
@@ -169,5 +178,6 @@ void stp_renderer_set_stop(stp_renderer* renderer, const atomic_bool* stop);
 
 /// Nearness of each pixel of the last frame (0: background), one sample per pixel (of the last
 /// supersample): `width * height` floats owned by the renderer, for two eyes one picture after the
-/// other. In perspective, nearness = near_distance / depth.
-const float* stp_renderer_depth(const stp_renderer* renderer);
+/// other. In perspective, nearness = near_distance / depth. Where fewer pixels were drawn
+/// (stp_draw_style.resolution), that of the nearest one. NULL if out of memory (not logged).
+const float* stp_renderer_depth(stp_renderer* renderer);

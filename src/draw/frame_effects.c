@@ -62,6 +62,7 @@ stp_frame_cost stp_draw_frame_cost(const stp_draw_style* style, const stp_draw_s
                            .covered_pixels = stats->covered_pixels,
                            .draw_calls = stats->draw_calls,
                            .splat_size = splat_size,
+                           .resolution = stp_draw_resolution(style),
                            .unwanted = list_unwanted(style)};
     split(style, stats, milliseconds, cost.effect_ms);
     return cost;

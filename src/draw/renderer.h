@@ -4,6 +4,7 @@
 
 #include "base/io/hash.h"
 #include "draw/draw.h"
+#include "draw/enlarge.h"
 
 #include <stdatomic.h>
 
@@ -20,6 +21,7 @@ struct stp_renderer {
                              const stp_quality* quality, const stp_draw_style* style,
                              stp_draw_list* list, stp_image* image, stp_draw_stats* stats);
     const float* (*depth)(const stp_renderer* renderer);
+    stp_enlargement enlargement;
 };
 
 static inline bool stp_renderer_is_stopped(const stp_renderer* renderer)

@@ -103,7 +103,7 @@ static void update_budget_pending(stp_painter* painter)
     stp_budget_update(&painter->budget, &cost);
 }
 
-/// Splat size for a budget, at least the requested one.
+/// Splat size for a budget, at least the requested one, in pixels as drawn.
 static float choose_size(stp_painter* painter, double budget_ms, float minimum)
 {
     if (!(budget_ms > 0.0)) {
@@ -112,11 +112,15 @@ static float choose_size(stp_painter* painter, double budget_ms, float minimum)
     }
     if (painter->budget_ms != budget_ms) {
         stp_budget_init(&painter->budget, STP_CONTROLLER_PREDICT, budget_ms);
+        if (!painter->uses_gl) {
+            stp_budget_lower_resolution(&painter->budget);
+        }
         painter->budget_ms = budget_ms;
         painter->has_pending = false;
     }
     update_budget_pending(painter);
-    return stp_max(stp_budget_splat_size(&painter->budget), minimum);
+    return stp_max(stp_budget_splat_size(&painter->budget),
+                   minimum * stp_budget_resolution(&painter->budget));
 }
 
 static void update_budget(stp_painter* painter, const picture* p)
@@ -209,17 +213,19 @@ static stp_result draw_complete(picture* p)
 
 static void report_picture(const picture* p, stp_paint_report* report)
 {
+    float resolution = stp_draw_resolution(&p->style);
     stp_paint_report made = {.frame_ms = p->frame_ms,
                              .select_ms = p->stats.select_ms,
                              .draw_ms = p->stats.draw_ms,
                              .shade_ms = p->stats.shade_ms,
-                             .splat_size = p->painter->list.splat_size,
+                             .splat_size = p->painter->list.splat_size / resolution,
                              .splat_count = p->stats.splats,
                              .triangle_count = p->stats.triangles,
                              .covered_pixels = p->stats.covered_pixels,
                              .samples = p->stats.samples,
                              .missing = p->missing,
-                             .coming = p->coming};
+                             .coming = p->coming,
+                             .resolution = resolution};
     STP_WRITE_INFO(report, made);
 }
 
@@ -314,6 +320,7 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     bool budgeted = desc.budget_ms > 0.0 && !p.accumulates;
     if (budgeted) {
         p.style = stp_draw_style_without(&p.style, stp_budget_left_out(&painter->budget));
+        p.style.resolution = stp_budget_resolution(&painter->budget);
     }
     painter->view.width = 0;
     begin_stopping(painter);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "select/budget.h"
+#include "select/coarseness.h"
 
 #include <assert.h>
 
@@ -72,7 +72,8 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
     *budget = (stp_budget){
         .controller = controller,
         .budget_ms = budget_ms > 0.0 ? budget_ms : 1.0,
-        .splat_size = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MAX,
+        .coarseness = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MAX,
+        .coarsest = (double)STP_SPLAT_SIZE_COARSEST,
         .speed = 1.0,
         .scatter = 0.05,
         .splat_exponent = FIRST_SPLAT_EXPONENT,
@@ -86,9 +87,23 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
     }
 }
 
+void stp_budget_lower_resolution(stp_budget* budget)
+{
+    budget->coarsest = budget->controller == STP_CONTROLLER_PREDICT
+                           ? (double)STP_SPLAT_SIZE_COARSEST / STP_RESOLUTION_MIN
+                           : budget->coarsest;
+}
+
+float stp_budget_resolution(const stp_budget* budget)
+{
+    return (float)stp_coarseness_resolution((double)budget->coarseness);
+}
+
 float stp_budget_splat_size(const stp_budget* budget)
 {
-    return budget->splat_size;
+    double resolution = stp_coarseness_resolution((double)budget->coarseness);
+    return resolution < 1.0 ? (float)((double)STP_SPLAT_SIZE_COARSEST * resolution)
+                            : budget->coarseness;
 }
 
 uint32_t stp_budget_left_out(const stp_budget* budget)
@@ -121,7 +136,7 @@ static void react(stp_budget* b, const stp_frame_cost* cost)
     }
     double deviation = cost->milliseconds / b->budget_ms;
     if (deviation < 1.0 - DEAD_BAND || deviation > 1.0 + DEAD_BAND) {
-        b->splat_size = clamp_size((old * 3.0 + old * deviation) / 4.0, (double)STP_SPLAT_SIZE_MAX);
+        b->coarseness = clamp_size((old * 3.0 + old * deviation) / 4.0, (double)STP_SPLAT_SIZE_MAX);
     }
 }
 
@@ -144,12 +159,14 @@ static double price_of(const stp_budget* b, const double terms[STP_BUDGET_TERMS]
     return sum;
 }
 
-double stp_budget_predict(const stp_budget* b, double splat_size)
+double stp_budget_predict(const stp_budget* b, double coarseness)
 {
-    double terms[STP_BUDGET_TERMS];
+    const double full = (double)STP_SPLAT_SIZE_COARSEST;
+    double terms[STP_BUDGET_TERMS], factors[STP_BUDGET_TERMS], before[STP_BUDGET_TERMS];
     list_terms(&b->last, terms);
-    assert(splat_size > 0.0);
-    double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
+    assert(coarseness > 0.0);
+    double last = b->frames > 0 ? (double)b->last.splat_size : coarseness;
+    double finer = stp_mind(last, full) / stp_mind(coarseness, full);
     double triangles = pow(finer, b->triangle_exponent);
     terms[0] *= pow(finer, b->splat_exponent);
     // larger splats may have more fragments, but an estimate from other places must not keep splats
@@ -157,6 +174,11 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
     terms[1] *= pow(finer, finer < 1.0 ? fmax(b->fragment_exponent, 0.0) : b->fragment_exponent);
     terms[2] *= triangles;
     terms[3] *= triangles;
+    stp_coarseness_factors(stp_coarseness_resolution(coarseness), factors);
+    stp_coarseness_factors(stp_coarseness_resolution(last), before);
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        terms[i] *= factors[i] / before[i];
+    }
     return b->speed * price_of(b, terms);
 }
 
@@ -205,8 +227,13 @@ static double update_exponent(double exponent, uint64_t before, uint64_t now, do
 // content comes into view and the exponents decay.
 static void update_exponents(stp_budget* b, const stp_frame_cost* cost)
 {
-    double change = log((double)b->last.splat_size / (double)cost->splat_size);
-    if (b->frames == 0) {
+    const double full = (double)STP_SPLAT_SIZE_COARSEST;
+    double change =
+        log(stp_mind((double)b->last.splat_size, full) / stp_mind((double)cost->splat_size, full));
+    bool lower =
+        stp_coarseness_resolution((double)b->last.splat_size) < 1.0 ||
+        stp_coarseness_resolution((double)cost->splat_size) < 1.0; // other counts than splats
+    if (b->frames == 0 || lower) {
         return;
     }
     if (fabs(change) < MIN_CHANGE) {
@@ -228,7 +255,7 @@ static void update_exponents(stp_budget* b, const stp_frame_cost* cost)
 // enlarge splats for a negligible gain.
 static double solve_size(const stp_budget* b, double goal)
 {
-    double low = (double)STP_SPLAT_SIZE_MIN, high = (double)STP_SPLAT_SIZE_COARSEST;
+    double low = (double)STP_SPLAT_SIZE_MIN, high = b->coarsest;
     assert(goal > 0.0);
     double fastest = stp_budget_predict(b, high);
     double beyond = stp_clampd((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
@@ -500,7 +527,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     double size = fmax(solved, (double)cost->splat_size * finer);
     size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
     size = try_finer(b, cost, size);
-    b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
+    b->coarseness = clamp_size(size, b->coarsest);
     return_effect(b, margin);
 }
 
@@ -515,6 +542,7 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
         b->frames += 1;
     } else {
         stp_frame_cost own = *cost;
+        own.splat_size = (float)stp_coarseness_of(cost);
         for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
             own.milliseconds -= fmax(cost->effect_ms[i], 0.0);
         }
@@ -522,5 +550,5 @@ void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)
         update_effects(b, cost, own.milliseconds);
         predict(b, &own);
     }
-    assert(b->splat_size >= STP_SPLAT_SIZE_MIN && b->splat_size <= STP_SPLAT_SIZE_COARSEST);
+    assert(b->coarseness >= STP_SPLAT_SIZE_MIN && (double)b->coarseness <= b->coarsest);
 }

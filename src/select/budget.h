@@ -16,6 +16,9 @@ typedef enum stp_controller {
 #define STP_SPLAT_SIZE_MAX 8.0f ///< the paper's
 /// for the predictive controller, if the budget cannot be met otherwise
 #define STP_SPLAT_SIZE_COARSEST 24.0f
+/// Least share of the picture's width and height that a budget draws, in steps of 1/16; splats then
+/// keep their size in the whole picture
+#define STP_RESOLUTION_MIN 0.5
 
 /// Effects of a frame that a budget leaves out before splats grow, in the order in which it does
 /// so.
@@ -33,11 +36,24 @@ typedef struct stp_frame_cost {
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
     float splat_size; ///< as used
+    float resolution; ///< likewise: share of the picture's width and height; 0: all of it
     /// Parts of the time: what a frame without the effects before this one would have saved by
     /// leaving it out, too. 0: it was not drawn
     double effect_ms[STP_EFFECT_COUNT];
     uint32_t unwanted; ///< effects that nobody asked for now, as bits 1 << stp_budget_effect
 } stp_frame_cost;
+
+/// Share of the picture's width and height that a frame drew; 1: all.
+static inline double stp_frame_resolution(const stp_frame_cost* cost)
+{
+    return cost->resolution > 0.0f && cost->resolution < 1.0f ? (double)cost->resolution : 1.0;
+}
+
+/// Size of a frame's splats in pixels of the whole picture.
+static inline double stp_frame_splat_size(const stp_frame_cost* cost)
+{
+    return (double)cost->splat_size / stp_frame_resolution(cost);
+}
 
 enum {
     STP_BUDGET_TERMS = 5,    ///< splats, fragments, triangles, draws, covered pixels
@@ -61,8 +77,10 @@ typedef struct stp_budget {
     double budget_ms;
     uint64_t frames; ///< number of frames learned from
     float sizes[STP_BUDGET_AVERAGED];
-    float splat_size;
-    stp_frame_cost last;
+    /// Size of splats; beyond STP_SPLAT_SIZE_COARSEST, that over the resolution
+    float coarseness;
+    double coarsest;                 ///< maximum of it
+    stp_frame_cost last;             ///< splat_size: its coarseness
     double times[STP_BUDGET_RATIOS]; ///< milliseconds of the last frames
     // The model: milliseconds per unit of each term, and their covariance.
     double price[STP_BUDGET_TERMS];
@@ -89,7 +107,14 @@ typedef struct stp_budget {
 /// `budget_ms` above 0.
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms);
 
-/// Size for the next frame: between STP_SPLAT_SIZE_MIN and STP_SPLAT_SIZE_MAX, or
+/// Lets the predictive controller lower the resolution of pictures where the coarsest splats do not
+/// meet the budget. Call after stp_budget_init.
+void stp_budget_lower_resolution(stp_budget* budget);
+
+/// Share of the next frame's width and height that is drawn: STP_RESOLUTION_MIN to 1.
+float stp_budget_resolution(const stp_budget* budget);
+
+/// Size for the next frame, in pixels as drawn: between STP_SPLAT_SIZE_MIN and STP_SPLAT_SIZE_MAX, or
 /// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
@@ -104,9 +129,9 @@ bool stp_budget_has_decided(const stp_budget* budget);
 /// is 10^9 ms or more.
 void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 
-/// Predicted time of a frame like the last one at another size, without effects, in milliseconds. 0
-/// before the first frame.
-double stp_budget_predict(const stp_budget* budget, double splat_size);
+/// Predicted time of a frame like the last one at another size of splats (stp_budget.coarseness),
+/// without effects, in milliseconds. 0 before the first frame.
+double stp_budget_predict(const stp_budget* budget, double coarseness);
 /// The same with all effects that are wanted, whether or not they are left out, but those of
 /// `without`, as bits 1 << stp_budget_effect.
 double stp_budget_predict_whole(const stp_budget* budget, double splat_size, uint32_t without);

@@ -2,6 +2,9 @@
 // A scene built in memory, opened in every possible way, described and drawn.
 #include "support_embed.h"
 
+#include "draw/enlarge.h"
+
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -395,6 +398,28 @@ void test_embed_checks_options(test_state* test)
     CHECK(fault == NULL);
 }
 
+/// Draws without a budget at half the resolution, with splats of half the size, and enlarges.
+static stp_result draw_enlarged(stp_model* model, stp_paint_desc desc, uint8_t* pixels)
+{
+    static uint8_t small_pixels[PIXELS];
+    stp_view view = embed_view();
+    stp_painter* painter = NULL;
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_enlargement e = {0};
+    view.width = view.height = EMBED_SIDE / 2;
+    desc.splat_size *= 0.5f;
+    stp_image small = {EMBED_SIDE / 2, EMBED_SIDE / 2, small_pixels};
+    stp_image image = {EMBED_SIDE, EMBED_SIDE, pixels};
+    stp_result result = stp_painter_create(model, NULL, &painter);
+    result = result == STP_OK ? stp_painter_draw(painter, &view, &desc, &small, NULL) : result;
+    result = result == STP_OK ? stp_enlarge_picture(context, &e, &small, 1, &image) : result;
+    stp_enlargement_destroy(context, &e);
+    stp_context_destroy(context);
+    stp_painter_destroy(painter);
+    return result;
+}
+
+// A budget that nothing meets leaves effects out, then half the resolution.
 void test_embed_budget_leaves_effects_out(test_state* test)
 {
     static uint8_t plain[PIXELS], dark[PIXELS], budgeted[PIXELS], resting[PIXELS];
@@ -407,14 +432,15 @@ void test_embed_budget_leaves_effects_out(test_state* test)
     opened_town town;
     stp_painter* painter = NULL;
     CHECK(open_town(&town, &(stp_model_desc){0}));
-    CHECK(embed_draw(town.model, &none, plain) == STP_OK);
-    CHECK(embed_draw(town.model, &occlusion, dark) == STP_OK);
+    CHECK(draw_enlarged(town.model, none, plain) == STP_OK);
+    CHECK(draw_enlarged(town.model, occlusion, dark) == STP_OK);
     CHECK_EQUAL(STP_OK, stp_painter_create(town.model, NULL, &painter));
-    for (int i = 0; i < 6; ++i) { // three frames find out what they take
+    for (int i = 0; i < 9; ++i) { // three frames find out what they take
         stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = budgeted};
         CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, &report));
     }
     CHECK_EQUAL(1, report.samples);
+    CHECK(report.resolution == 0.5f && fabsf(report.splat_size - 24.0f) < 1e-3f);
     budget.accumulate = true;
     stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = resting};
     CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));

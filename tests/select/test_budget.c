@@ -116,6 +116,63 @@ void test_budget_prediction_holds_attainable_budgets(test_state* test)
     }
 }
 
+/// A frame of a hall whose time is that of fragments and pixels, at whatever size of splats.
+static stp_frame_cost run_hall(double heavy, float size, float resolution)
+{
+    double area = (double)resolution * (double)resolution;
+    double fragments = heavy * 20.0 * area, covered = 2.0 * area, splats = 0.05;
+    double triangles = heavy * 0.5 * (double)resolution;
+    return (stp_frame_cost){
+        .milliseconds = 2.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered,
+        .splats = (uint64_t)(splats * 1e6),
+        .fragments = (uint64_t)(fragments * 1e6),
+        .triangles = (uint64_t)(triangles * 1e6),
+        .covered_pixels = (uint64_t)(covered * 1e6),
+        .draw_calls = 500,
+        .splat_size = size,
+        .resolution = resolution,
+    };
+}
+
+// Where the coarsest splats do not meet the budget, the resolution falls as far as necessary, and
+// comes back.
+void test_budget_lowers_the_resolution_last(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    stp_budget_lower_resolution(&budget);
+    const double heavy[] = {0.9, 1.9, 9.0, 0.3};
+    const double least[] = {0.75, 0.55, 0.5, 1.0}, most[] = {0.9, 0.7, 0.5, 1.0};
+    for (int place = 0; place < 4; ++place) {
+        stp_frame_cost cost = {0};
+        for (int i = 0; i < 120; ++i) {
+            float resolution = stp_budget_resolution(&budget);
+            CHECK(resolution >= 0.5f && resolution <= 1.0f);
+            CHECK(fmodf(16.0f * resolution, 1.0f) == 0.0f);
+            float size = stp_budget_splat_size(&budget);
+            CHECK(resolution == 1.0f || fabsf(size / resolution - STP_SPLAT_SIZE_COARSEST) < 1e-3f);
+            cost = run_hall(heavy[place], size, resolution);
+            stp_budget_update(&budget, &cost);
+        }
+        CHECK((double)cost.resolution >= least[place] && (double)cost.resolution <= most[place]);
+        CHECK(place == 2 || cost.milliseconds < 1.1 * 33.0);
+        CHECK(place != 3 || cost.splat_size < 2.0f);
+    }
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    for (int i = 0; i < 60; ++i) { // not unless it may
+        stp_frame_cost cost = run_hall(9.0, stp_budget_splat_size(&budget), 1.0f);
+        CHECK(stp_budget_resolution(&budget) == 1.0f);
+        stp_budget_update(&budget, &cost);
+    }
+    stp_budget_init(&budget, STP_CONTROLLER_PAPER, 1.0);
+    stp_budget_lower_resolution(&budget);
+    for (int i = 0; i < 60; ++i) {
+        stp_frame_cost cost = run_hall(9.0, stp_budget_splat_size(&budget), 1.0f);
+        CHECK(stp_budget_resolution(&budget) == 1.0f);
+        stp_budget_update(&budget, &cost);
+    }
+}
+
 void test_budget_prediction_keeps_the_best_where_time_is_plenty(test_state* test)
 {
     machine m = {.splats = 2.0, .triangles = 0.5, .swing = 0.2, .noise = 0.02, .slow = 1.0};

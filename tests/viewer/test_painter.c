@@ -318,13 +318,14 @@ void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
     request.budget_ms = 0.1; // too little for any size
     for (int i = 0; i < 8; ++i) {
         picture = move_and_wait(p, &request);
-        size = i < 7 ? picture->figures.cost.splat_size : size;
+        size = i < 7 ? (float)stp_frame_splat_size(&picture->figures.cost) : size;
         if (i == 6) {
             picture = wait_for(p, picture->number);
             CHECK(picture->figures.cost.splat_size < 1.05f);
+            CHECK(stp_frame_resolution(&picture->figures.cost) == 1.0);
         }
     }
-    CHECK(size > 2.0f && picture->figures.cost.splat_size > 0.8f * size);
+    CHECK(size > 2.0f && stp_frame_splat_size(&picture->figures.cost) > 0.8 * (double)size);
     painter_destroy(p);
     unlink(path);
 }

@@ -88,6 +88,7 @@ static void update_budget(painter* p, const paint_request* request, const paint_
         if (request->budget_ms > 0.0) {
             stp_budget_init(&p->scene->budgets[0], request->controller, request->budget_ms);
             stp_budget_init(&p->scene->budgets[1], request->controller, request->budget_ms);
+            stp_budget_lower_resolution(&p->scene->budgets[0]); // of the CPU
         }
     }
     if (request->budget_ms > 0.0 && f != NULL) {

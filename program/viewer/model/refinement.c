@@ -57,8 +57,9 @@ float refinement_size(const refinement* r, const paint_request* request, const s
     if (!(request->budget_ms > 0.0) || r->stage == STAGE_ACCUMULATES) {
         return r->stage == STAGE_ACCUMULATES && request->budget_ms > 0.0 ? r->size : finest;
     }
-    return r->stage == STAGE_MOVES ? stp_max(stp_budget_splat_size(budget), finest)
-                                   : choose_rest_size(r, finest, budget);
+    return r->stage == STAGE_MOVES
+               ? stp_max(stp_budget_splat_size(budget), finest * stp_budget_resolution(budget))
+               : choose_rest_size(r, finest, budget);
 }
 
 static refinement_stage next_stage(const refinement* r, const paint_request* request,
@@ -100,6 +101,7 @@ stp_draw_style refinement_style(const refinement* r, const paint_request* reques
     }
     left_out &= transparent ? ~0u : ~glass;
     stp_draw_style style = stp_draw_style_without(&request->style, left_out);
+    style.resolution = moves && limited ? stp_budget_resolution(budget) : 0.0f;
     style.pixel_filter = !request->quality.reference && r->stage != STAGE_ACCUMULATES &&
                          (moves || has_finer(r, request, budget));
     return style;

@@ -284,7 +284,7 @@ static void show_picture_line(const viewer* v)
                      all, more);
     } else {
         gui_dim_text("%u x %u   %.1f ms   splat size %.1f px%s", width, height, f->frame_ms,
-                     (double)f->cost.splat_size, more);
+                     stp_frame_splat_size(&f->cost), more);
     }
 }
 

@@ -41,7 +41,7 @@ static json_t* describe_picture(const viewer* v)
         "height", (int)p->image.height, "complete", (int)p->complete, "samples",
         (int)p->figures.samples, "splats", (json_int_t)p->figures.splats, "listed_splats",
         (json_int_t)p->figures.cost.splats, "triangles", (json_int_t)p->figures.triangles,
-        "splat_size", (double)p->figures.cost.splat_size, "frame_ms", p->figures.frame_ms,
+        "splat_size", stp_frame_splat_size(&p->figures.cost), "frame_ms", p->figures.frame_ms,
         "latency_ms", p->figures.latency_ms, "frames", (json_int_t)p->frame);
 }
 

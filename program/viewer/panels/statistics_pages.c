@@ -87,7 +87,8 @@ void page_statistics(viewer* v)
     show_count("Nodes", f->nodes);
     show_count("Draw calls", f->cost.draw_calls);
     if (splats_count(v) == 0) {
-        gui_value("Splat size", "%.2f px", (double)f->cost.splat_size);
+        gui_value("Splat size", "%.2f px", stp_frame_splat_size(&f->cost));
+        gui_value("Resolution", "%.0f %%", 100.0 * stp_frame_resolution(&f->cost));
     }
     gui_value("Samples", "%u per pixel", f->samples);
     gui_separator();
