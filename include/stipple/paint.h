@@ -70,7 +70,8 @@ typedef struct stp_paint_desc {
     /// frames, never below `splat_size`; it adapts over the first frames. Without `accumulate`,
     /// effects are left out while there is no time for them beside fine splats, in this order:
     /// ambient occlusion, all `samples` but one, all layers of transparent surfaces but the nearest.
-    /// At last that layer becomes a pattern of pixels.
+    /// Then that layer becomes a pattern of pixels. Where even splats of 24 pixels take too long, the
+    /// CPU draws fewer pixels, and enlarges the picture: stp_paint_report.resolution.
     double budget_ms;
     uint64_t splat_count; ///< above 0: total number of splats, instead of a size
     const char* method;   ///< method whose splats are drawn: "blue", ...; NULL: the file's default
@@ -106,14 +107,14 @@ typedef struct stp_paint_report {
     size_t struct_size;
     double frame_ms; ///< duration of the last drawing pass; with OpenGL, until commands were sent
     double select_ms, draw_ms, shade_ms;
-    float splat_size; ///< pixels, as used
+    float splat_size; ///< as used: pixels of the whole picture
     /// Drawn: splats of the wanted level in the picture, triangles of clusters in view. A picture
     /// that stays an OpenGL texture has an upper bound
     uint64_t splat_count, triangle_count;
-    uint64_t covered_pixels;
-    uint32_t samples; ///< per pixel, so far
-    uint32_t missing; ///< items drawn coarser than wanted because they are not loaded
-    uint32_t coming;  ///< those of them that later pictures will have
+    uint64_t covered_pixels; ///< of those drawn (`resolution`)
+    uint32_t samples;        ///< per pixel, so far
+    uint32_t missing;        ///< items drawn coarser than wanted because they are not loaded
+    uint32_t coming;         ///< those of them that later pictures will have
     /// Share of the picture's width and height that was drawn, then enlarged: below 1 where the
     /// largest splats do not meet stp_paint_desc.budget_ms
     float resolution;

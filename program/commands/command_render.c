@@ -250,7 +250,7 @@ static stp_result draw_frames(session* s)
         stp_budget budget;
         frame_maker* maker = &s->drawing.maker;
         stp_budget_init(&budget, (stp_controller)args.draw.controller, args.draw.budget_ms);
-        if (!maker->uses_gl) {
+        if (!maker->uses_gl && frames_of_picture(s) <= 1) { // averaged frames have all pixels
             stp_budget_lower_resolution(&budget);
         }
         result = frame_settle(maker, &s->view, &budget, &s->quality, &s->image);

@@ -46,7 +46,8 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .argument = "MS",
          .words = "0.1..1e6",
          .help = "choose the splat size so that a frame takes MS milliseconds: from 1 pixel up "
-                 "to 8 (--controller paper), or up to 24 if 8 is not enough",
+                 "to 8 (--controller paper), or up to 24 if 8 is not enough; then the CPU draws "
+                 "fewer pixels, and enlarges the picture",
          .value = &o->budget_ms,
          .group = "Quality"},
         {.name = "controller",

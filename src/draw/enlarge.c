@@ -23,8 +23,10 @@ stp_view stp_enlarge_view(const stp_view* view, double share)
     assert(share > 0.0 && share < 1.0);
     stp_view small = *view;
     uint32_t eyes = stp_view_eye_count(view);
-    small.width = eyes * scale_side(view->width / eyes, share);
     small.height = scale_side(view->height, share);
+    // the height's share, which is rounded, is that of the picture
+    share = (double)small.height / (double)view->height;
+    small.width = eyes * scale_side(view->width / eyes, share);
     return small;
 }
 

@@ -72,10 +72,12 @@ static stp_result draw_enlarged(stp_renderer* renderer, const stp_view* view,
         return result;
     }
     stp_view small = stp_enlarge_view(view, (double)style->resolution);
+    stp_draw_style smaller = *style;
+    smaller.point_size *= style->point_sizing == STP_POINTS_PIXELS ? style->resolution : 1.0f;
     result = stp_enlarge_begin(renderer->context, &small, e, &small_image);
     if (result == STP_OK) {
         result =
-            renderer->draw_selected(renderer, &small, quality, style, list, &small_image, stats);
+            renderer->draw_selected(renderer, &small, quality, &smaller, list, &small_image, stats);
     }
     if (result != STP_OK) {
         return result;

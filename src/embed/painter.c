@@ -103,8 +103,9 @@ static void update_budget_pending(stp_painter* painter)
     stp_budget_update(&painter->budget, &cost);
 }
 
-/// Splat size for a budget, at least the requested one, in pixels as drawn.
-static float choose_size(stp_painter* painter, double budget_ms, float minimum)
+/// Splat size for a budget, at least the requested one, in pixels as drawn. Frames that are
+/// averaged, `whole`, have all pixels.
+static float choose_size(stp_painter* painter, double budget_ms, float minimum, bool whole)
 {
     if (!(budget_ms > 0.0)) {
         painter->has_pending = false;
@@ -119,8 +120,9 @@ static float choose_size(stp_painter* painter, double budget_ms, float minimum)
         painter->has_pending = false;
     }
     update_budget_pending(painter);
-    return stp_max(stp_budget_splat_size(&painter->budget),
-                   minimum * stp_budget_resolution(&painter->budget));
+    float resolution = stp_budget_resolution(&painter->budget);
+    float size = stp_max(stp_budget_splat_size(&painter->budget) / resolution, minimum);
+    return whole ? size : size * resolution;
 }
 
 static void update_budget(stp_painter* painter, const picture* p)
@@ -316,7 +318,8 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     }
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
-    p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
+    p.quality.splat_size =
+        choose_size(painter, desc.budget_ms, p.quality.splat_size, p.accumulates);
     bool budgeted = desc.budget_ms > 0.0 && !p.accumulates;
     if (budgeted) {
         p.style = stp_draw_style_without(&p.style, stp_budget_left_out(&painter->budget));

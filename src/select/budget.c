@@ -101,9 +101,8 @@ float stp_budget_resolution(const stp_budget* budget)
 
 float stp_budget_splat_size(const stp_budget* budget)
 {
-    double resolution = stp_coarseness_resolution((double)budget->coarseness);
-    return resolution < 1.0 ? (float)((double)STP_SPLAT_SIZE_COARSEST * resolution)
-                            : budget->coarseness;
+    double coarseness = (double)budget->coarseness, full = (double)STP_SPLAT_SIZE_COARSEST;
+    return (float)(stp_mind(coarseness, full) * stp_coarseness_resolution(coarseness));
 }
 
 uint32_t stp_budget_left_out(const stp_budget* budget)
@@ -340,11 +339,20 @@ static double find_finest(const stp_budget* b, double goal)
                                      : fmin(steady, pow(slowest / goal, 1.0 / MAX_EXPONENT));
 }
 
-/// The time of an effect in a frame that covers so many pixels.
-static double expect_effect(const stp_budget_effect_state* e, uint64_t covered_pixels)
+/// The time of an effect in a frame that covers so many pixels, at the whole resolution, and is
+/// drawn at another.
+static double expect_effect(const stp_budget_effect_state* e, double covered_pixels,
+                            double resolution)
 {
-    double pixels = (double)e->pixels, now = (double)covered_pixels;
-    return now < pixels ? e->ms * now / pixels : e->ms;
+    double whole = resolution * resolution * e->ms;
+    return covered_pixels < e->pixels ? whole * covered_pixels / e->pixels : whole;
+}
+
+/// Pixels that a frame would have covered at the whole resolution.
+static double whole_pixels(const stp_frame_cost* cost)
+{
+    double resolution = stp_frame_resolution(cost);
+    return (double)cost->covered_pixels / (resolution * resolution);
 }
 
 /// Learns the times of a frame's effects. A single slow frame counts as in the speed.
@@ -360,12 +368,14 @@ static void update_effects(stp_budget* b, const stp_frame_cost* cost, double own
         if (e->left_out) {
             continue;
         }
+        // as at the whole resolution
+        double resolution = stp_frame_resolution(cost), pixels = whole_pixels(cost);
+        double ms = cost->effect_ms[i] / (resolution * resolution);
         bool known = e->ms > 0.0 && e->frames >= effect_proof[i];
-        double most =
-            known ? SLOW_FRAME * expect_effect(e, cost->covered_pixels) : cost->effect_ms[i];
-        e->ms = fmin(cost->effect_ms[i], fmax(most, 0.01 * b->budget_ms));
+        double most = known ? SLOW_FRAME * expect_effect(e, pixels, 1.0) : ms;
+        e->ms = fmin(ms, fmax(most, 0.01 * b->budget_ms));
         e->share = cost->effect_ms[i] / rest;
-        e->pixels = cost->covered_pixels;
+        e->pixels = pixels;
         e->frames = cost->effect_ms[i] > 0.0 ? e->frames + 1 : 0;
         rest += cost->effect_ms[i];
     }
@@ -381,15 +391,15 @@ static bool is_judged(const stp_budget* b, int effect)
 /// The part of the budget that effects leave: those that are judged, and the one of number `more`.
 static double time_beside(const stp_budget* b, int more)
 {
-    double left = b->budget_ms;
+    double left = b->budget_ms, resolution = stp_frame_resolution(&b->last);
     for (int i = 0; i < STP_EFFECT_COUNT; ++i) {
         const stp_budget_effect_state* e = &b->effects[i];
         if (i == STP_EFFECT_ANTIALIASING && (i == more || is_judged(b, i))) {
             left /= 1.0 + e->share;
         } else if (i == more) {
-            left -= expect_effect(e, b->last.covered_pixels);
+            left -= expect_effect(e, whole_pixels(&b->last), resolution);
         } else if (is_judged(b, i)) {
-            left -= e->ms;
+            left -= resolution * resolution * e->ms;
         }
     }
     return fmax(left, (1.0 - EFFECT_MOST) * b->budget_ms);
@@ -436,8 +446,8 @@ static double leave_effects(stp_budget* b, double margin)
     return size;
 }
 
-/// Adds the times of effects to that of a frame without them: of the last one to that of `first`,
-/// but those of the bits `without`.
+/// Adds the times of effects, at the whole resolution, to that of a frame without them: of the last
+/// one to that of `first`, but those of the bits `without`.
 static double add_effects(const stp_budget* b, double milliseconds, int first, uint32_t without)
 {
     for (int i = STP_EFFECT_COUNT; i-- > first;) {
@@ -445,8 +455,9 @@ static double add_effects(const stp_budget* b, double milliseconds, int first, u
         if ((without >> i & 1u) != 0) {
             continue;
         }
-        milliseconds += i == STP_EFFECT_ANTIALIASING ? e->share * milliseconds
-                                                     : expect_effect(e, b->last.covered_pixels);
+        milliseconds += i == STP_EFFECT_ANTIALIASING
+                            ? e->share * milliseconds
+                            : expect_effect(e, whole_pixels(&b->last), 1.0);
     }
     return milliseconds;
 }

@@ -64,10 +64,10 @@ enum {
 
 /// What a budget knows of an effect.
 typedef struct stp_budget_effect_state {
-    double ms; ///< when it was last drawn; 0: it was not wanted
+    double ms; ///< when it was last drawn, as at the whole resolution; 0: it was not wanted
     double
         share; ///< its time then, relative to the rest of the frame without the effects before it
-    uint64_t pixels; ///< covered then
+    double pixels;   ///< covered then, at the whole resolution
     uint32_t frames; ///< in a row that had it
     bool left_out;
 } stp_budget_effect_state;

@@ -10,16 +10,16 @@
 static inline double stp_coarseness_resolution(double coarseness)
 {
     const double steps = 16.0, full = (double)STP_SPLAT_SIZE_COARSEST;
-    double share = ceil(full / coarseness * steps - 1e-3) / steps;
-    return coarseness > full ? stp_maxd(share, STP_RESOLUTION_MIN) : 1.0;
+    double share = floor(full / coarseness * steps + 0.5) / steps;
+    return stp_clampd(share, STP_RESOLUTION_MIN, 1.0);
 }
 
-/// How coarse a frame was.
+/// How coarse a frame was. A frame of larger splats, which somebody asked for, had all pixels.
 static inline double stp_coarseness_of(const stp_frame_cost* cost)
 {
     double resolution = stp_frame_resolution(cost);
     return resolution < 1.0 ? (double)STP_SPLAT_SIZE_COARSEST / resolution
-                            : (double)cost->splat_size;
+                            : stp_mind((double)cost->splat_size, (double)STP_SPLAT_SIZE_COARSEST);
 }
 
 /// What the counts of a frame are multiplied with at a resolution: splats, fragments, triangles,

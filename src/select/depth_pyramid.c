@@ -223,25 +223,28 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
         p, at, f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING));
 }
 
-/// Bound on the rounding error of coordinates in the view that are computed in float.
-static double float_error(const double rows[3][4], const stp_boxd* box)
+/// Bound on the rounding error of coordinates in the view that are computed in float, relative to an
+/// offset: each product and each sum is rounded.
+static double float_error(const double rows[3][4], const float offset[3], const stp_boxd* box)
 {
     double largest = 0.0;
-    const double reach[3] = {stp_maxd(fabs(box->min.x), fabs(box->max.x)),
-                             stp_maxd(fabs(box->min.y), fabs(box->max.y)),
-                             stp_maxd(fabs(box->min.z), fabs(box->max.z))};
+    const double from[3] = {(double)offset[0], (double)offset[1], (double)offset[2]};
+    const double reach[3] = {stp_maxd(fabs(box->min.x - from[0]), fabs(box->max.x - from[0])),
+                             stp_maxd(fabs(box->min.y - from[1]), fabs(box->max.y - from[1])),
+                             stp_maxd(fabs(box->min.z - from[2]), fabs(box->max.z - from[2]))};
     for (int k = 0; k < 3; ++k) {
-        double sum = fabs(rows[k][3]);
+        double base = rows[k][3], sum = 0.0;
         for (int c = 0; c < 3; ++c) {
+            base += rows[k][c] * from[c];
             sum += fabs(rows[k][c]) * reach[c];
         }
-        largest = stp_maxd(largest, sum);
+        largest = stp_maxd(largest, sum + fabs(base));
     }
     return largest * (4.0 * (double)FLT_EPSILON);
 }
 
 bool stp_depth_pyramid_hides_triangles(const stp_depth_pyramid* p, const double rows[3][4],
-                                       const stp_boxd* box)
+                                       const float offset[3], const stp_boxd* box)
 {
     const stp_view_frame* f = &p->frame;
     footprint at;
@@ -249,7 +252,7 @@ bool stp_depth_pyramid_hides_triangles(const stp_depth_pyramid* p, const double 
         !project(f, rows, box, f->near_distance, &at)) {
         return false;
     }
-    double error = float_error(rows, box), nearest = at.depth - error;
+    double error = float_error(rows, offset, box), nearest = at.depth - error;
     if (!(nearest > 0.5 * at.depth)) {
         return false;
     }

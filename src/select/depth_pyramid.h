@@ -46,9 +46,10 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* pyramid, const doub
                                     const stp_boxd* box, double margin);
 
 /// Whether the pyramid occludes triangles in a box that are drawn pushed back as its own: exact but
-/// for rounding. `rows` as above. Returns false for boxes that reach in front of the near plane or
+/// for rounding. `rows` as above. They are drawn in float, relative to `offset`, which is in the
+/// box's coordinates. Returns false for boxes that reach in front of the near plane or
 /// lie outside that view.
 bool stp_depth_pyramid_hides_triangles(const stp_depth_pyramid* pyramid, const double rows[3][4],
-                                       const stp_boxd* box);
+                                       const float offset[3], const stp_boxd* box);
 
 void stp_depth_pyramid_destroy(stp_context* context, stp_depth_pyramid* pyramid);

@@ -443,7 +443,8 @@ void test_embed_budget_leaves_effects_out(test_state* test)
     CHECK(report.resolution == 0.5f && fabsf(report.splat_size - 24.0f) < 1e-3f);
     budget.accumulate = true;
     stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = resting};
-    CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, NULL));
+    CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, &report));
+    CHECK(report.resolution == 1.0f && fabsf(report.splat_size - 24.0f) < 1e-3f);
     stp_painter_destroy(painter);
     close_town(&town);
     CHECK(memcmp(plain, dark, sizeof(plain)) != 0);

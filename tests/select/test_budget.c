@@ -159,6 +159,14 @@ void test_budget_lowers_the_resolution_last(test_state* test)
         CHECK(place != 3 || cost.splat_size < 2.0f);
     }
     stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    stp_budget_lower_resolution(&budget);
+    for (int i = 0; i < 200; ++i) { // in time with splats that somebody wants larger
+        CHECK(stp_budget_resolution(&budget) == 1.0f && stp_budget_splat_size(&budget) <= 24.0f);
+        stp_frame_cost cost = run_hall(0.45, 40.0f, 1.0f);
+        CHECK(cost.milliseconds < 31.0);
+        stp_budget_update(&budget, &cost);
+    }
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
     for (int i = 0; i < 60; ++i) { // not unless it may
         stp_frame_cost cost = run_hall(9.0, stp_budget_splat_size(&budget), 1.0f);
         CHECK(stp_budget_resolution(&budget) == 1.0f);
@@ -171,6 +179,25 @@ void test_budget_lowers_the_resolution_last(test_state* test)
         CHECK(stp_budget_resolution(&budget) == 1.0f);
         stp_budget_update(&budget, &cost);
     }
+}
+
+// An effect's time is that of its pixels: a picture at rest has more of them than one that moved.
+void test_budget_expects_effects_of_all_pixels(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    stp_budget_lower_resolution(&budget);
+    for (int i = 0; i < 60; ++i) {
+        float resolution = stp_budget_resolution(&budget);
+        stp_frame_cost cost = run_hall(9.0, stp_budget_splat_size(&budget), resolution);
+        cost.effect_ms[STP_EFFECT_OCCLUSION] = 1.0 * (double)resolution * (double)resolution;
+        cost.milliseconds += cost.effect_ms[STP_EFFECT_OCCLUSION];
+        stp_budget_update(&budget, &cost);
+    }
+    CHECK(stp_budget_resolution(&budget) == 0.5f);
+    double with = stp_budget_predict_whole(&budget, 1.0, 0);
+    double without = stp_budget_predict_whole(&budget, 1.0, 1u << STP_EFFECT_OCCLUSION);
+    CHECK(fabs(with - without - 1.0) < 0.05);
 }
 
 void test_budget_prediction_keeps_the_best_where_time_is_plenty(test_state* test)

@@ -140,6 +140,7 @@ void test_depth_pyramid_hides_triangles_exactly(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     stp_depth_pyramid pyramid = {0};
+    const float nowhere[3] = {0.0f, 0.0f, 0.0f};
     int hidden = 0, kept = 0, more = 0;
     for (uint64_t round = 0; round < 40; ++round) {
         stp_view view = {.eye = {0.3, -0.2, 0.1},
@@ -180,7 +181,8 @@ void test_depth_pyramid_hides_triangles_exactly(test_state* test)
                                       (double)nearness[y * view.width + x] > f->near_distance / z);
                 }
             }
-            bool said = stp_depth_pyramid_hides_triangles(&pyramid, (const double(*)[4])rows, &box);
+            bool said = stp_depth_pyramid_hides_triangles(&pyramid, (const double(*)[4])rows,
+                                                          nowhere, &box);
             CHECK(truly || !said);
             hidden += said;
             kept += truly && !said;
@@ -188,6 +190,34 @@ void test_depth_pyramid_hides_triangles_exactly(test_state* test)
         }
     }
     CHECK(hidden > 200 && kept < hidden && more > 20);
+    stp_depth_pyramid_destroy(context, &pyramid);
+    stp_context_destroy(context);
+}
+
+// Far from where coordinates are relative to, they are rounded more: less is hidden.
+void test_depth_pyramid_hides_by_the_precision_of_drawing(test_state* test)
+{
+    static float nearness[64 * 64];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (int i = 0; i < 64 * 64; ++i) {
+        nearness[i] = 0.01f / 2.0f;
+    }
+    stp_view view = {.target = {0, 0, 1},
+                     .up = {0, 1, 0},
+                     .fov_degrees = 60,
+                     .near_distance = 0.01,
+                     .width = 64,
+                     .height = 64};
+    stp_depth_pyramid pyramid = {0};
+    CHECK_EQUAL(STP_OK, make_pyramid(context, &view, nearness, &pyramid));
+    const double rows[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    const float nearby[3] = {0.0f, 0.0f, 0.0f}, far[3] = {1000.0f, 20.0f, 1000.0f};
+    const stp_boxd close = {{-0.1, -0.1, 2.0001}, {0.1, 0.1, 2.1}};
+    const stp_boxd behind = {{-0.1, -0.1, 2.1}, {0.1, 0.1, 2.2}};
+    CHECK(stp_depth_pyramid_hides_triangles(&pyramid, rows, nearby, &close));
+    CHECK(!stp_depth_pyramid_hides_triangles(&pyramid, rows, far, &close));
+    CHECK(stp_depth_pyramid_hides_triangles(&pyramid, rows, far, &behind));
     stp_depth_pyramid_destroy(context, &pyramid);
     stp_context_destroy(context);
 }

@@ -179,7 +179,7 @@ static void paint(painter* p)
         drawn = draw(p, &request, size, accumulates, &texture, &figures);
     }
     if (drawn) {
-        next->size = size;
+        next->size = size / stp_draw_resolution(&request.style); // in pixels of the whole picture
         if (!p->refines) { // the budget does not learn from refinement, which uses another splat
                            // size and which nobody waits for
             update_budget(p, &request, &figures);

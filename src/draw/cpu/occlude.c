@@ -143,7 +143,7 @@ bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box 
     assert(r->occluding != NULL && "rows were placed for a pyramid");
     stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
     return stp_depth_pyramid_hides_triangles(r->occluding, (const double(*)[4])item->occluder_rows,
-                                             &wide);
+                                             item->offset, &wide);
 }
 
 /// Box of `count` positions, at least one.
