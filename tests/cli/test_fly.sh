@@ -63,7 +63,7 @@ def load(name):
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
         assert ("left_out" in frame) == (f["budget"] is not None) and not frame.pop("left_out", []), frame
-        assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
+        assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size resolution splats extra_splats fragments
             clusters triangles listed_splats listed_triangles nodes draw_calls covered_pixels layers gl""".split()), frame
         assert frame["splats"] <= frame["listed_splats"] and frame["triangles"] <= frame["listed_triangles"], frame
         assert frame["gl"] is None and sorted(f["first_frame"]) == sorted(set(frame) - {"t", "extra_splats"}), frame
@@ -99,6 +99,7 @@ assert f["popping"]["p50"] <= f["popping"]["p999"] <= f["popping"]["max"] and f[
 assert f["splats"]["max"] > 0 and f["splat_size"]["max"] == 3
 f = load("budget")
 assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 24 for frame in f["per_frame"])
+assert all(0.5 <= frame["resolution"] <= 1 for frame in f["per_frame"])
 assert sorted(f["budget"]) == ["ms", "within_1_0", "within_1_1", "within_1_5"] and f["budget"]["ms"] == 0.1, f["budget"]
 for key, factor in ("within_1_0", 1.0), ("within_1_1", 1.1), ("within_1_5", 1.5):
     within = [frame["frame_ms"] <= factor * 0.1 for frame in f["per_frame"]]

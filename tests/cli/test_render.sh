@@ -15,7 +15,7 @@ rm -f a.png
 python3 - << 'END' || fail "figures or picture"
 import json, struct
 figures = json.load(open("a.json"))
-expected = """backend device width height splat_size frame_ms select_ms draw_ms shade_ms splats fragments clusters
+expected = """backend device width height splat_size resolution frame_ms select_ms draw_ms shade_ms splats fragments clusters
 listed_splats listed_triangles truncated file_bytes whole_bytes drawn triangles nodes draw_calls resident_bytes covered_pixels layers gl samples
 accumulated_frames picture_ms method coarse_method color range camera""".split()
 assert sorted(figures) == sorted(expected), figures
