@@ -46,6 +46,21 @@ static double swell_at(const machine* m, int frame)
     return swell;
 }
 
+/// A frame of these counts, in millions.
+static stp_frame_cost make_cost(double milliseconds, double splats, double fragments,
+                                double triangles, double covered, float size)
+{
+    return (stp_frame_cost){
+        .milliseconds = milliseconds,
+        .splats = (uint64_t)(splats * 1e6),
+        .fragments = (uint64_t)(fragments * 1e6),
+        .triangles = (uint64_t)(triangles * 1e6),
+        .covered_pixels = (uint64_t)(covered * 1e6),
+        .draw_calls = 500,
+        .splat_size = size,
+    };
+}
+
 static stp_frame_cost run_frame(const machine* m, int frame, float size)
 {
     double swell = swell_at(m, frame), s = (double)size;
@@ -56,15 +71,7 @@ static stp_frame_cost run_frame(const machine* m, int frame, float size)
     double time = 1.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered;
     time *= random_between((uint64_t)frame, 1.0 - m->noise, 1.0 + m->noise);
     time *= frame > FRAMES / 2 ? m->slow : 1.0;
-    return (stp_frame_cost){
-        .milliseconds = time,
-        .splats = (uint64_t)(splats * 1e6),
-        .fragments = (uint64_t)(fragments * 1e6),
-        .triangles = (uint64_t)(triangles * 1e6),
-        .covered_pixels = (uint64_t)(covered * 1e6),
-        .draw_calls = 500,
-        .splat_size = size,
-    };
+    return make_cost(time, splats, fragments, triangles, covered, size);
 }
 
 static int compare_doubles(const void* left, const void* right)
@@ -122,16 +129,10 @@ static stp_frame_cost run_hall(double heavy, float size, float resolution)
     double area = (double)resolution * (double)resolution;
     double fragments = heavy * 20.0 * area, covered = 2.0 * area, splats = 0.05;
     double triangles = heavy * 0.5 * (double)resolution;
-    return (stp_frame_cost){
-        .milliseconds = 2.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered,
-        .splats = (uint64_t)(splats * 1e6),
-        .fragments = (uint64_t)(fragments * 1e6),
-        .triangles = (uint64_t)(triangles * 1e6),
-        .covered_pixels = (uint64_t)(covered * 1e6),
-        .draw_calls = 500,
-        .splat_size = size,
-        .resolution = resolution,
-    };
+    double time = 2.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered;
+    stp_frame_cost cost = make_cost(time, splats, fragments, triangles, covered, size);
+    cost.resolution = resolution;
+    return cost;
 }
 
 // Where the coarsest splats do not meet the budget, the resolution falls as far as necessary, and

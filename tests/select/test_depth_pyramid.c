@@ -194,21 +194,27 @@ void test_depth_pyramid_hides_triangles_exactly(test_state* test)
     stp_context_destroy(context);
 }
 
+/// A view along z of a wall at depth 2, of 64 x 64 pixels.
+static stp_view make_wall(float* nearness)
+{
+    for (int i = 0; i < 64 * 64; ++i) {
+        nearness[i] = 0.01f / 2.0f;
+    }
+    return (stp_view){.target = {0, 0, 1},
+                      .up = {0, 1, 0},
+                      .fov_degrees = 60,
+                      .near_distance = 0.01,
+                      .width = 64,
+                      .height = 64};
+}
+
 // Far from where coordinates are relative to, they are rounded more: less is hidden.
 void test_depth_pyramid_hides_by_the_precision_of_drawing(test_state* test)
 {
     static float nearness[64 * 64];
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    for (int i = 0; i < 64 * 64; ++i) {
-        nearness[i] = 0.01f / 2.0f;
-    }
-    stp_view view = {.target = {0, 0, 1},
-                     .up = {0, 1, 0},
-                     .fov_degrees = 60,
-                     .near_distance = 0.01,
-                     .width = 64,
-                     .height = 64};
+    const stp_view view = make_wall(nearness);
     stp_depth_pyramid pyramid = {0};
     CHECK_EQUAL(STP_OK, make_pyramid(context, &view, nearness, &pyramid));
     const double rows[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -231,15 +237,7 @@ void test_depth_pyramid_hides_nothing_undecided(test_state* test)
     stp_boxd behind = {{-0.1, -0.1, 9}, {0.1, 0.1, 9.1}}, around = {{-1, -1, -1}, {1, 1, 1}};
     stp_boxd aside = {{50, 0, 5}, {51, 1, 6}}, back = {{-1, -1, -9}, {1, 1, -8}};
     CHECK(!stp_depth_pyramid_hides(&pyramid, &behind, 1.0)); // the pyramid of an empty picture
-    for (int i = 0; i < 64 * 64; ++i) {
-        nearness[i] = 0.01f / 2.0f;
-    }
-    stp_view view = {.target = {0, 0, 1},
-                     .up = {0, 1, 0},
-                     .fov_degrees = 60,
-                     .near_distance = 0.01,
-                     .width = 64,
-                     .height = 64};
+    const stp_view view = make_wall(nearness);
     CHECK_EQUAL(STP_OK, make_pyramid(context, &view, nearness, &pyramid));
     CHECK(stp_depth_pyramid_hides(&pyramid, &behind, 1.0));
     CHECK(!stp_depth_pyramid_hides(&pyramid, &around, 1.0));
