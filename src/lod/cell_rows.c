@@ -43,11 +43,7 @@ static void number_points(size_t begin, size_t end, uint32_t worker, void* user)
 static void choose_cells(row_sorter* s, float cell)
 {
     stp_cell_rows* rows = s->rows;
-    stp_box box = stp_box_empty();
-    for (uint32_t i = 0; i < rows->count; ++i) {
-        const float* p = s->positions + 3 * (size_t)i;
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
+    stp_box box = stp_box_of(s->positions, rows->count);
     s->corner = stp_to_double(box.min);
     stp_vec3d size = stp_subd(stp_to_double(box.max), s->corner);
     const double sizes[3] = {size.x, size.y, size.z};

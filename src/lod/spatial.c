@@ -21,11 +21,7 @@ stp_result stp_sort_spatially(stp_context* context, const float* positions, uint
     if (keys == NULL) {
         return stp_fail_memory(context);
     }
-    stp_box box = stp_box_empty();
-    for (uint32_t i = 0; i < count; ++i) {
-        const float* p = positions + 3 * (size_t)i;
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
+    stp_box box = stp_box_of(positions, count);
     stp_vec3 extent = stp_sub(box.max, box.min);
     float widest = stp_max(extent.x, stp_max(extent.y, extent.z));
     float scale = widest > 0.0f ? 1023.0f / widest : 0.0f;

@@ -157,6 +157,17 @@ static inline void stp_box_add(stp_box* box, stp_vec3 p)
         (stp_vec3){stp_max(box->max.x, p.x), stp_max(box->max.y, p.y), stp_max(box->max.z, p.z)};
 }
 
+/// Box of `count` positions, 3 numbers each; empty if there are none.
+static inline stp_box stp_box_of(const float* positions, size_t count)
+{
+    stp_box box = stp_box_empty();
+    for (size_t i = 0; i < count; ++i) {
+        const float* p = positions + 3 * i;
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    return box;
+}
+
 static inline void stp_boxd_add(stp_boxd* box, stp_vec3d p)
 {
     box->min.x = p.x < box->min.x ? p.x : box->min.x;

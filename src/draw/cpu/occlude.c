@@ -146,18 +146,8 @@ bool stp_cpu_hides(const stp_cpu_renderer* r, const stp_cpu_item* item, stp_box 
                                              item->offset, &wide);
 }
 
-/// Box of `count` positions, at least one.
-static stp_box find_box(const float* positions, uint32_t count)
-{
-    stp_box box = stp_box_empty();
-    for (uint32_t i = 0; i < count; ++i, positions += 3) {
-        stp_box_add(&box, (stp_vec3){positions[0], positions[1], positions[2]});
-    }
-    return box;
-}
-
 bool stp_cpu_hides_cluster(const stp_cpu_renderer* r, const stp_cpu_item* item,
                            const float* positions, uint32_t count)
 {
-    return r->occluding != NULL && stp_cpu_hides(r, item, find_box(positions, count));
+    return r->occluding != NULL && stp_cpu_hides(r, item, stp_box_of(positions, count));
 }

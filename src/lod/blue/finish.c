@@ -83,11 +83,7 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
 
 static void choose_grid(finish* f)
 {
-    stp_box box = stp_box_empty();
-    for (uint32_t i = 0; i < f->input->count; ++i) {
-        const float* p = f->positions + 3 * (size_t)i;
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
+    stp_box box = stp_box_of(f->positions, f->input->count);
     stp_vec3d centre = f->input->candidates->origin;
     stp_boxd placed = {stp_addd(centre, stp_to_double(box.min)),
                        stp_addd(centre, stp_to_double(box.max))};

@@ -175,11 +175,7 @@ static stp_result count_covered(const exporter* e, double error, stp_box box, ui
 static stp_result find_coarsest(exporter* e)
 {
     const stp_level_graph* g = e->graph;
-    stp_box box = stp_box_empty();
-    for (size_t i = 0; i < g->vertex_count; ++i) {
-        const float* p = g->positions + 3 * i;
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
+    stp_box box = stp_box_of(g->positions, g->vertex_count);
     stp_vec3 size = stp_sub(box.max, box.min);
     double side = (double)stp_max(size.x, stp_max(size.y, size.z)), error = e->finest;
     double last = 0.0;

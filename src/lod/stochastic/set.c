@@ -75,11 +75,7 @@ static stp_result allocate_attributes(const set_maker* m)
 static void choose_grid(set_maker* m)
 {
     const stp_candidates* c = m->candidates;
-    stp_box box = stp_box_empty();
-    for (uint32_t i = 0; i < c->count; ++i) {
-        const float* p = c->positions + 3 * (size_t)i;
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
+    stp_box box = stp_box_of(c->positions, c->count);
     stp_vec3 size = stp_sub(box.max, box.min);
     double diagonal = (double)stp_length(size);
     double spacing = c->pixel_size > 0.0 ? c->pixel_size : diagonal / sqrt((double)c->count + 1.0);
