@@ -72,13 +72,12 @@ static void read_processor_name(char* name, size_t size)
 
 static json_t* describe_machine(void)
 {
-    static const char* const vectors[] = {"baseline", "avx2", "avx512"};
     char name[128];
     read_processor_name(name, sizeof(name));
     json_t* machine = json_object();
     bench_set_text(machine, "processor", name);
     bench_set_count(machine, "threads", (uint64_t)sysconf(_SC_NPROCESSORS_ONLN));
-    bench_set_text(machine, "vectors", vectors[stp_processor_detect()]);
+    bench_set_text(machine, "vectors", stp_processor_name(stp_processor_detect()));
     bench_set_text(machine, "compiler", __VERSION__);
     bench_set_text(machine, "version", STP_VERSION);
     return machine;

@@ -66,15 +66,15 @@ static void add_result(const kernel* k, const kernel_result* r, json_t* results)
         bench_set_number(variant, "ns_min", r->times[v].min);
         bench_set_number(variant, "ns_max", r->times[v].max);
         json_object_set_new(variant, "same_bits", json_boolean(r->same[v]));
-        json_object_set_new(entry.figures, kernel_variant_name(v), variant);
+        json_object_set_new(entry.figures, stp_processor_name((stp_processor)v), variant);
     }
 }
 
 static void print_head(void)
 {
     printf("nanoseconds of CPU time per element: median (minimum to maximum)\n%-20s %-10s", "", "");
-    for (uint32_t v = 0; v < KERNEL_VARIANTS; ++v) {
-        printf(" %-24s", kernel_variant_name(v));
+    for (uint32_t v = 0; v <= (uint32_t)stp_processor_detect(); ++v) {
+        printf(" %-24s", stp_processor_name((stp_processor)v));
     }
     printf("\n");
 }
@@ -97,7 +97,7 @@ static int check_bits(const kernel* k, const kernel_result* r)
     for (uint32_t v = 0; v < r->variants; ++v) {
         if (!r->same[v]) {
             return tool_error("kernels: %s: %s gives other bits than the portable variant", k->name,
-                              kernel_variant_name(v));
+                              stp_processor_name((stp_processor)v));
         }
     }
     return 0;

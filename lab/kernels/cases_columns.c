@@ -68,7 +68,7 @@ bool kernel_make_cluster(kernel_case* c)
 void kernel_reset_cluster(kernel_case* c)
 {
     cluster_input* in = c->input;
-    in->clusters.unpacks_many = stp_processor_detect() >= STP_PROCESSOR_AVX2;
+    in->clusters.processor = stp_processor_detect();
 }
 
 void kernel_run_cluster(kernel_case* c)

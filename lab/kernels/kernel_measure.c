@@ -9,12 +9,6 @@
 
 static const char variable[] = "STP_PROCESSOR";
 
-const char* kernel_variant_name(uint32_t variant)
-{
-    static const char* const names[KERNEL_VARIANTS] = {"baseline", "avx2", "avx512"};
-    return names[variant];
-}
-
 /// CPU time of this thread, which other processes hardly affect.
 static double clock_ns(void)
 {
@@ -26,7 +20,7 @@ static double clock_ns(void)
 /// Runs one variant once. @return nanoseconds
 static double run_once(const kernel* k, kernel_case* c, uint32_t variant)
 {
-    setenv(variable, kernel_variant_name(variant), 1);
+    setenv(variable, stp_processor_name((stp_processor)variant), 1);
     if (k->reset != NULL) {
         k->reset(c);
     } else {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Measures the library's SIMD kernels. A kernel has a portable variant, one for AVX2 and perhaps
-// one for AVX-512; all must give the same bits. Each is called through the function that selects a
-// variant for this CPU, with STP_PROCESSOR set, on the same random input.
+// Measures the library's SIMD kernels. A kernel has a portable variant, one for AVX2 or NEON, and
+// perhaps one for AVX-512; all must give the same bits. Each is called through the function that
+// selects a variant for this CPU, with STP_PROCESSOR set, on the same random input.
 #pragma once
 
 #include "base/core/arena.h"
 #include "base/core/processor.h"
 
-enum { KERNEL_VARIANTS = STP_PROCESSOR_AVX512 + 1, KERNEL_RUNS_MAX = 101 };
+enum { KERNEL_VARIANTS = STP_PROCESSOR_WIDE + 1, KERNEL_RUNS_MAX = 101 };
 
 /// Input and output of a kernel.
 typedef struct kernel_case {
@@ -51,6 +51,3 @@ extern const kernel kernels[];
 /// Runs all variants that this CPU has, taking turns. Changes STP_PROCESSOR meanwhile.
 /// @return false if out of memory (not logged)
 bool kernel_measure(stp_context* context, const kernel* k, uint32_t runs, kernel_result* result);
-
-/// Name of a variant, as STP_PROCESSOR has it.
-const char* kernel_variant_name(uint32_t variant);

@@ -184,13 +184,7 @@ void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, 
         look->words_per_row = words_per_row(first);
         look->words = map->words + map->starts[v];
     }
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        stp_fill_drop_avx2(&query, first_row, target);
-        return;
-    }
-#endif
-    stp_fill_drop_portable(&query, first_row, target);
+    STP_VARIANT_OF_TWO(stp_processor_detect(), stp_fill_drop)(&query, first_row, target);
 }
 
 // The corners, faces and edges of a cube that were not drawn. Captures of 8 and 14 directions draw

@@ -31,8 +31,8 @@ typedef void (*stp_fill_kernel)(const stp_fill_query* query, uint32_t first_row,
 
 void stp_fill_drop_portable(const stp_fill_query* query, uint32_t first_row,
                             const stp_raster_target* target);
-void stp_fill_drop_avx2(const stp_fill_query* query, uint32_t first_row,
-                        const stp_raster_target* target);
+void stp_fill_drop_vector(const stp_fill_query* query, uint32_t first_row,
+                          const stp_raster_target* target);
 
 /// Place of a point in a view.
 typedef struct stp_fill_place {

@@ -41,12 +41,7 @@ const stp_grid_kernels stp_grid_kernels_portable = {find_buckets_portable};
 
 const stp_grid_kernels* stp_grid_kernels_select(void)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return &stp_grid_kernels_avx2;
-    }
-#endif
-    return &stp_grid_kernels_portable;
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), &stp_grid_kernels);
 }
 
 static void find_buckets(size_t begin, size_t end, uint32_t worker, void* user)

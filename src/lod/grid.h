@@ -77,4 +77,4 @@ typedef struct stp_grid_kernels {
 const stp_grid_kernels* stp_grid_kernels_select(void);
 
 extern const stp_grid_kernels stp_grid_kernels_portable;
-extern const stp_grid_kernels stp_grid_kernels_avx2;
+extern const stp_grid_kernels stp_grid_kernels_vector;

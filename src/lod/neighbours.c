@@ -15,12 +15,7 @@
 
 const stp_near_kernels* stp_near_kernels_select(void)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return &stp_near_kernels_avx2;
-    }
-#endif
-    return &stp_near_kernels_portable;
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), &stp_near_kernels);
 }
 
 // Surfels that may be near the samples of one cell: those of the 2 x 2 x 2 cells around its centre.

@@ -68,4 +68,4 @@ typedef struct stp_near_kernels {
 const stp_near_kernels* stp_near_kernels_select(void);
 
 extern const stp_near_kernels stp_near_kernels_portable;
-extern const stp_near_kernels stp_near_kernels_avx2;
+extern const stp_near_kernels stp_near_kernels_vector;

@@ -235,12 +235,7 @@ static void estimate_listed(size_t begin, size_t end, uint32_t worker, void* use
 
 const stp_normal_kernels* stp_normal_kernels_select(void)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return &stp_normal_kernels_avx2;
-    }
-#endif
-    return &stp_normal_kernels_portable;
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), &stp_normal_kernels);
 }
 
 static normal_loop loop_of(const stp_normal_search* search, float radius)

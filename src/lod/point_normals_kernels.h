@@ -37,4 +37,4 @@ typedef struct stp_normal_kernels {
 const stp_normal_kernels* stp_normal_kernels_select(void);
 
 extern const stp_normal_kernels stp_normal_kernels_portable;
-extern const stp_normal_kernels stp_normal_kernels_avx2;
+extern const stp_normal_kernels stp_normal_kernels_vector;

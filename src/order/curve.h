@@ -36,8 +36,8 @@ typedef struct stp_curve_kernels {
 } stp_curve_kernels;
 
 extern const stp_curve_kernels stp_curve_kernels_portable;
-extern const stp_curve_kernels stp_curve_kernels_avx2;
-extern const stp_curve_kernels stp_curve_kernels_avx512;
+extern const stp_curve_kernels stp_curve_kernels_vector;
+extern const stp_curve_kernels stp_curve_kernels_wide;
 
 /// The widest kernels that this CPU runs.
 const stp_curve_kernels* stp_curve_kernels_select(void);

@@ -136,10 +136,5 @@ stp_result stp_near_grid_add(stp_near_grid* grid, float x, float y, float z)
 
 stp_near_grid_nearest stp_near_grid_nearest_select(void)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return stp_near_grid_nearest_avx2;
-    }
-#endif
-    return stp_near_grid_nearest_portable;
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), stp_near_grid_nearest);
 }

@@ -51,8 +51,8 @@ typedef void (*stp_near_grid_nearest)(const stp_near_grid* grid, const float* po
                                       uint32_t count, float* squared);
 void stp_near_grid_nearest_portable(const stp_near_grid* grid, const float* points, uint32_t count,
                                     float* squared);
-void stp_near_grid_nearest_avx2(const stp_near_grid* grid, const float* points, uint32_t count,
-                                float* squared);
+void stp_near_grid_nearest_vector(const stp_near_grid* grid, const float* points, uint32_t count,
+                                  float* squared);
 stp_near_grid_nearest stp_near_grid_nearest_select(void);
 
 static inline uint64_t stp_near_grid_cell(uint32_t x, uint32_t y, uint32_t z)

@@ -49,16 +49,7 @@ typedef struct sort_job {
 
 const stp_curve_kernels* stp_curve_kernels_select(void)
 {
-#if defined(__x86_64__)
-    stp_processor processor = stp_processor_detect();
-    if (processor == STP_PROCESSOR_AVX512) {
-        return &stp_curve_kernels_avx512;
-    }
-    if (processor == STP_PROCESSOR_AVX2) {
-        return &stp_curve_kernels_avx2;
-    }
-#endif
-    return &stp_curve_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_curve_kernels);
 }
 
 static void count_cells(size_t begin, size_t end, uint32_t worker, void* user)

@@ -7,16 +7,7 @@
 
 const stp_tree_kernels* stp_tree_kernels_select(void)
 {
-#if defined(__x86_64__)
-    stp_processor processor = stp_processor_detect();
-    if (processor == STP_PROCESSOR_AVX512) {
-        return &stp_tree_kernels_avx512;
-    }
-    if (processor == STP_PROCESSOR_AVX2) {
-        return &stp_tree_kernels_avx2;
-    }
-#endif
-    return &stp_tree_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_tree_kernels);
 }
 
 void stp_tree_resize(stp_tree* tree, uint32_t point_count)

@@ -104,8 +104,8 @@ typedef struct stp_tree_kernels {
 } stp_tree_kernels;
 
 extern const stp_tree_kernels stp_tree_kernels_portable;
-extern const stp_tree_kernels stp_tree_kernels_avx2;
-extern const stp_tree_kernels stp_tree_kernels_avx512;
+extern const stp_tree_kernels stp_tree_kernels_vector;
+extern const stp_tree_kernels stp_tree_kernels_wide;
 
 /// The widest kernels that this CPU runs.
 const stp_tree_kernels* stp_tree_kernels_select(void);

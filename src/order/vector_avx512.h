@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Sixteen floats at a time with AVX-512 for leaves. Branches have eight children and use AVX2. Same
+// Sixteen floats at a time with AVX-512 for leaves. Branches have eight children (vector.h). Same
 // names and bits as vector_portable.h.
 #pragma once
 
 #define STP_WIDE_16
-#include "order/vector_avx2.h"
+#include "order/vector.h"
 
 enum { WIDE = 16 };
 typedef __m512 wide;

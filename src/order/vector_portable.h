@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eight floats at a time in plain C, for CPUs without a variant of their own. vector_avx2.h and
+// Eight floats at a time in plain C, for CPUs without a variant of their own. vector.h and
 // vector_avx512.h define the same names: `wide` for leaves, `eight` for branches.
 #pragma once
 

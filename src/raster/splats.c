@@ -199,32 +199,12 @@ bool stp_raster_test_splats(const stp_raster_splats* splats, uint16_t* bits)
     assert(splats->begin <= splats->end && splats->begin % SPLAT_BATCH == 0);
     stp_splat_frame frame;
     stp_splats_test_frame(&frame, splats);
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_test_avx512(&frame, bits);
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_test_avx2(&frame, bits);
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_test_portable(&frame, bits);
+    return STP_VARIANT(stp_processor_detect(), stp_splats_test)(&frame, bits);
 }
 
 static uint64_t draw_squares(const stp_splat_frame* frame)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_squares_avx512(frame);
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_squares_avx2(frame);
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_squares_portable(frame);
+    return STP_VARIANT(stp_processor_detect(), stp_splats_squares)(frame);
 }
 
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
@@ -239,17 +219,7 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
     if (splats->squares) {
         return draw_squares(&frame);
     }
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_draw_avx512(&frame);
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_draw_avx2(&frame);
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_draw_portable(&frame);
+    return STP_VARIANT(stp_processor_detect(), stp_splats_draw)(&frame);
 }
 
 uint64_t stp_splats_squares_portable(const stp_splat_frame* frame)
@@ -282,15 +252,5 @@ bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_sp
             .width = levels->width, .height = levels->height, .one_sided = levels->one_sided};
         frame.groups = stp_raster_groups_make(camera, splats, &picture);
     }
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_pick_avx512(&frame, bits);
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_pick_avx2(&frame, bits);
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_pick_portable(&frame, bits);
+    return STP_VARIANT(stp_processor_detect(), stp_splats_pick)(&frame, bits);
 }

@@ -3,9 +3,6 @@
 #include "raster/splats_kernel.h"
 
 #include <assert.h>
-
-#if defined(__AVX512F__)
-
 #include <immintrin.h>
 
 /// 48 grid coordinates, deinterleaved.
@@ -221,26 +218,12 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
 
 #include "raster/splats_batches.h"
 
-uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame)
+uint64_t stp_splats_draw_wide(const stp_splat_frame* frame)
 {
     return draw_all(frame);
 }
 
-bool stp_splats_test_avx512(const stp_splat_frame* frame, uint16_t* bits)
+bool stp_splats_test_wide(const stp_splat_frame* frame, uint16_t* bits)
 {
     return test_all(frame, bits);
 }
-
-#else
-
-uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame)
-{
-    return stp_splats_draw_portable(frame);
-}
-
-bool stp_splats_test_avx512(const stp_splat_frame* frame, uint16_t* bits)
-{
-    return stp_splats_test_portable(frame, bits);
-}
-
-#endif

@@ -12,17 +12,7 @@ void stp_splats_blend_portable(const stp_raster_blend* blend, const stp_raster_c
 
 static blend_kernel choose_kernel(void)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return stp_splats_blend_avx512;
-    case STP_PROCESSOR_AVX2:
-        return stp_splats_blend_avx2;
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return stp_splats_blend_portable;
+    return STP_VARIANT(stp_processor_detect(), stp_splats_blend);
 }
 
 void stp_raster_find_planes(const stp_raster_blend* blend, const stp_raster_camera* camera,

@@ -265,7 +265,7 @@ typedef void (*blend_kernel)(const stp_raster_blend* blend, const stp_raster_cam
                              const stp_raster_splats* splats, bool adds);
 void stp_splats_blend_portable(const stp_raster_blend* blend, const stp_raster_camera* camera,
                                const stp_raster_splats* splats, bool adds);
-void stp_splats_blend_avx2(const stp_raster_blend* blend, const stp_raster_camera* camera,
-                           const stp_raster_splats* splats, bool adds);
-void stp_splats_blend_avx512(const stp_raster_blend* blend, const stp_raster_camera* camera,
+void stp_splats_blend_vector(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats, bool adds);
+void stp_splats_blend_wide(const stp_raster_blend* blend, const stp_raster_camera* camera,
+                           const stp_raster_splats* splats, bool adds);

@@ -88,13 +88,13 @@ void stp_splats_fold_row(const float row[4], const stp_raster_splats* splats, fl
 
 typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
-uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame);
-uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame);
+uint64_t stp_splats_draw_vector(const stp_splat_frame* frame);
+uint64_t stp_splats_draw_wide(const stp_splat_frame* frame);
 
 /// stp_raster_test_splats, for a frame with only the fields the occluder needs.
 bool stp_splats_test_portable(const stp_splat_frame* frame, uint16_t* bits);
-bool stp_splats_test_avx2(const stp_splat_frame* frame, uint16_t* bits);
-bool stp_splats_test_avx512(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_test_vector(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_test_wide(const stp_splat_frame* frame, uint16_t* bits);
 void stp_splats_test_frame(stp_splat_frame* frame, const stp_raster_splats* splats);
 
 /// Draws splat `index` with a ray per pixel in double precision.

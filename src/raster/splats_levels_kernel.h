@@ -186,5 +186,5 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 }
 
 bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits);
-bool stp_splats_pick_avx2(const levels_frame* frame, uint16_t* bits);
-bool stp_splats_pick_avx512(const levels_frame* frame, uint16_t* bits);
+bool stp_splats_pick_vector(const levels_frame* frame, uint16_t* bits);
+bool stp_splats_pick_wide(const levels_frame* frame, uint16_t* bits);

@@ -172,5 +172,5 @@ static inline uint64_t draw_all_squares(const stp_splat_frame* f)
 }
 
 uint64_t stp_splats_squares_portable(const stp_splat_frame* frame);
-uint64_t stp_splats_squares_avx2(const stp_splat_frame* frame);
-uint64_t stp_splats_squares_avx512(const stp_splat_frame* frame);
+uint64_t stp_splats_squares_vector(const stp_splat_frame* frame);
+uint64_t stp_splats_squares_wide(const stp_splat_frame* frame);

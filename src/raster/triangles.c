@@ -27,17 +27,7 @@ typedef struct soup_memory {
 
 static const stp_triangle_kernels* choose_kernels(void)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return &stp_triangle_kernels_avx512;
-    case STP_PROCESSOR_AVX2:
-        return &stp_triangle_kernels_avx2;
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return &stp_triangle_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_triangle_kernels);
 }
 
 /// A triangle with a test per fragment.

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Triangle kernels with vectors of eight numbers.
-#if defined(__x86_64__)
-
+#include "raster/pixels_write.h"
 #include "raster/triangles_internal.h"
-
-#include <immintrin.h>
 
 #define LANES 8
 #define LANES_ALL 0xFFu
@@ -97,26 +94,16 @@ static inline lanes_int lanes_round(lanes_float a)
     return (lanes_int)_mm256_cvtps_epi32((__m256)a);
 }
 
-/// Writes four fragments side by side. There is no mask: pixels beside a triangle may be another
-/// thread's, and would be written back.
-static inline void write_four(uint64_t* pixels, __m128i far, __m256i id)
-{
-    const __m256i top = _mm256_set1_epi64x((long long)(UINT64_C(1) << 63)); // for unsigned order
-    __m256i pixel = _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(far), 32), id);
-    __m256i old = _mm256_loadu_si256((const __m256i_u*)pixels);
-    __m256i nearer = _mm256_cmpgt_epi64(_mm256_xor_si256(old, top), _mm256_xor_si256(pixel, top));
-    _mm256_storeu_si256((__m256i_u*)pixels, _mm256_blendv_epi8(old, pixel, nearer));
-}
-
 static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
 {
-    __m256i far = (__m256i)~nearness, ids = _mm256_set1_epi64x((long long)id);
+    const __m256i far = (__m256i)~nearness;
+    const stp_pixel_ids ids = stp_pixel_ids_of(id);
     if ((bits & 15) == 15) {
-        write_four(pixels, _mm256_castsi256_si128(far), ids);
+        stp_pixels_write_four(pixels, i32x8_low(far), ids);
         bits &= ~15u;
     }
     if (bits >> 4 == 15) {
-        write_four(pixels + 4, _mm256_extracti128_si256(far, 1), ids);
+        stp_pixels_write_four(pixels + 4, i32x8_high(far), ids);
         bits &= 15;
     }
     for (; bits != 0; bits &= bits - 1) {
@@ -135,11 +122,9 @@ static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t 
 
 #include "raster/triangles_lanes.h"
 
-const stp_triangle_kernels stp_triangle_kernels_avx2 = {
+const stp_triangle_kernels stp_triangle_kernels_vector = {
     .find_range = find_range,
     .transform = transform_vertices,
     .draw_chunk = draw_chunk,
     .draw_one = draw_one,
 };
-
-#endif

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Triangle kernels with vectors of sixteen numbers.
-#if defined(__x86_64__)
-
 #include "raster/triangles_internal.h"
 
 #include <immintrin.h>
@@ -128,11 +126,9 @@ static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t 
 
 #include "raster/triangles_lanes.h"
 
-const stp_triangle_kernels stp_triangle_kernels_avx512 = {
+const stp_triangle_kernels stp_triangle_kernels_wide = {
     .find_range = find_range,
     .transform = transform_vertices,
     .draw_chunk = draw_chunk,
     .draw_one = draw_one,
 };
-
-#endif

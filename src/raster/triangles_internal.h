@@ -87,8 +87,8 @@ typedef struct stp_triangle_kernels {
 } stp_triangle_kernels;
 
 extern const stp_triangle_kernels stp_triangle_kernels_portable;
-extern const stp_triangle_kernels stp_triangle_kernels_avx2;
-extern const stp_triangle_kernels stp_triangle_kernels_avx512;
+extern const stp_triangle_kernels stp_triangle_kernels_vector;
+extern const stp_triangle_kernels stp_triangle_kernels_wide;
 
 /// Rounds sub-pixels to the nearest grid point, halves to even; out-of-range results are undefined.
 /// Adding 1.5 x 2^52 leaves the integer in the low bits of the double.

@@ -25,14 +25,12 @@ void test_crc32c_variants_agree(test_state* test)
         bytes[i] = (unsigned char)(i * i * 7 + 3);
     }
     CHECK_EQUAL(0xe3069283, stp_crc32c_portable("123456789", 9));
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+    if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
         for (size_t begin = 0; begin < 9; ++begin) {
             for (size_t size = 0; size + begin <= sizeof(bytes); ++size) {
                 CHECK_EQUAL(stp_crc32c_portable(bytes + begin, size),
-                            stp_crc32c_avx2(bytes + begin, size));
+                            STP_VECTOR(stp_crc32c)(bytes + begin, size));
             }
         }
     }
-#endif
 }

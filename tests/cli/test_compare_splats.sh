@@ -192,7 +192,7 @@ END
 figures part.json 'd["splats"] == 40'
 "$stipple" render stone-psp.stip -o whole.png --size 200x200 --json > whole.json || fail "render a .stip of splats"
 "$stipple" render stone-psp.stip -o shrunk.png --size 200x200 --splat-scale 0.3 --json > shrunk.json || fail "--splat-scale"
-python3 -c 'import json; w, s = (json.load(open(f)) for f in ("whole.json", "shrunk.json")); assert w["splats"] == 90 and w["method"] == "psp" and 0 < s["covered_pixels"] < 0.8 * w["covered_pixels"], (w, s)' ||
+python3 -c 'import json; w, s = (json.load(open(f)) for f in ("whole.json", "shrunk.json")); assert w["listed_splats"] == 90 and w["method"] == "psp" and 0 < s["covered_pixels"] < 0.8 * w["covered_pixels"], (w, s)' ||
     fail "pictures of splats"
 
 # sets from build, of either method: more splats are closer

@@ -17,25 +17,26 @@ import json, pathlib, sys
 source = pathlib.Path(sys.argv[1])
 printed = json.load(open("kernels.json"))
 rows = [(r["params"], r["figures"]) for r in printed["results"]]
-names = ["baseline", "avx2", "avx512"]
-here = names[:names.index(printed["machine"]["vectors"]) + 1]
+vectors = printed["machine"]["vectors"]
+suffixes = {"avx2": ("vector", "avx2"), "neon": ("vector", "neon"), "avx512": ("wide", "avx512")}
+here = ["baseline"] + (["avx2", "avx512"] if vectors == "avx512" else [vectors] if vectors != "baseline" else [])
 for p, variants in rows:
     kernel = p["source"]
-    written = ["baseline"] + [v for v in names[1:] if (source / f"{kernel}_{v}.c").exists()]
-    assert list(variants) == [v for v in written if v in here], (p, list(variants))
+    written = [v for v in here if v == "baseline" or any((source / f"{kernel}_{s}.c").exists() for s in suffixes[v])]
+    assert list(variants) == written, (p, list(variants))
     for f in variants.values():
         assert f["same_bits"] and 0 < f["ns_min"] <= f["ns"] <= f["ns_max"], (p, f)
 assert len({p["kernel"] for p, _ in rows}) == len(rows)
 known = {p["source"] for p, _ in rows}
-for path in (source / "src").rglob("*_avx*.c"):
-    name = str(path.relative_to(source)).rpartition("_avx")[0]
-    assert name in known, f"{path}: no row in lab/kernels/kernels.c"
+for path in (source / "src").rglob("*.c"):
+    name, _, suffix = str(path.relative_to(source).with_suffix("")).rpartition("_")
+    assert name in known or suffix not in ("vector", "wide", "avx2", "avx512", "neon"), f"{path}: no row in lab/kernels/kernels.c"
 END_PYTHON
 
 "$stipple" kernels crc32c curve-cells --quick > out || fail "two kernels"
 [ "$(grep -c -e '^crc32c ' -e '^curve-cells ' out)" = 2 ] && [ "$(wc -l < out)" = 4 ] || fail "two kernels: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" kernels crc32c --quick --json > out || fail "portable only"
-grep -q avx2 out && fail "STP_PROCESSOR is ignored: $(cat out)"
+grep -qE 'avx2|neon' out && fail "STP_PROCESSOR is ignored: $(cat out)"
 "$stipple" kernels --list | grep -q "^splats-blend *src/raster/splats_blend$" || fail "list"
 refused 2 "there is no kernel nothing" kernels nothing
 exit $((failures > 0))

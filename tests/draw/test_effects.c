@@ -69,16 +69,14 @@ void test_effect_kernels_agree(test_state* test)
         CHECK(expected.out[3][i] > 0.0f && expected.out[3][i] <= 1.0f);
         CHECK(expected.out[4][i] >= 0.0f && expected.out[4][i] <= 1.0f);
     }
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        run_kernels(&stp_cpu_effect_kernels_avx2, &got);
+    if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+        run_kernels(&STP_VECTOR(stp_cpu_effect_kernels), &got);
         CHECK_EQUAL(0, memcmp(expected.out, got.out, sizeof(got.out)));
     }
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-        run_kernels(&stp_cpu_effect_kernels_avx512, &got);
+    if (stp_processor_detect() >= STP_PROCESSOR_WIDE) {
+        run_kernels(&STP_WIDE(stp_cpu_effect_kernels), &got);
         CHECK_EQUAL(0, memcmp(expected.out, got.out, sizeof(got.out)));
     }
-#endif
 }
 
 static void set_parallel(made_picture* p)

@@ -51,16 +51,14 @@ void test_pixel_filter_kernels_agree(test_state* test)
         uint32_t byte = expected.in[1][i];
         CHECK_EQUAL(byte * byte, expected.light[1][EDGE + i]);
     }
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        run_kernels(&stp_cpu_pixel_kernels_avx2, &got);
+    if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+        run_kernels(&STP_VECTOR(stp_cpu_pixel_kernels), &got);
         CHECK_EQUAL(0, memcmp(&expected, &got, sizeof(got)));
     }
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-        run_kernels(&stp_cpu_pixel_kernels_avx512, &got);
+    if (stp_processor_detect() >= STP_PROCESSOR_WIDE) {
+        run_kernels(&STP_WIDE(stp_cpu_pixel_kernels), &got);
         CHECK_EQUAL(0, memcmp(&expected, &got, sizeof(got)));
     }
-#endif
 }
 
 /// White triangles, of which grey splats hide a part.

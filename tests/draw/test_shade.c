@@ -204,14 +204,12 @@ static int list_variants(const stp_cpu_shade_kernels* variants[3])
 {
     int count = 0;
     variants[count++] = &stp_cpu_shade_kernels_portable;
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        variants[count++] = &stp_cpu_shade_kernels_avx2;
+    if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+        variants[count++] = &STP_VECTOR(stp_cpu_shade_kernels);
     }
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-        variants[count++] = &stp_cpu_shade_kernels_avx512;
+    if (stp_processor_detect() >= STP_PROCESSOR_WIDE) {
+        variants[count++] = &STP_WIDE(stp_cpu_shade_kernels);
     }
-#endif
     return count;
 }
 

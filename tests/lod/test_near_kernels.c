@@ -19,8 +19,6 @@ static void make_points(uint64_t seed, float* positions, float* normals)
     }
 }
 
-#if defined(__x86_64__)
-
 // @return number of samples with a surfel nearby; UINT32_MAX if kernels differ
 static uint32_t compare_nearest(const stp_grid* grid, const stp_near_ranges* ranges)
 {
@@ -29,14 +27,14 @@ static uint32_t compare_nearest(const stp_grid* grid, const stp_near_ranges* ran
     for (uint32_t at = 0; at < POINT_COUNT; at += 7) {
         uint32_t end = at + 1 + at % 40 < POINT_COUNT ? at + 1 + at % 40 : POINT_COUNT;
         if (stp_near_kernels_portable.find_run(grid, at, end) !=
-            stp_near_kernels_avx2.find_run(grid, at, end)) {
+            STP_VECTOR(stp_near_kernels).find_run(grid, at, end)) {
             return UINT32_MAX;
         }
         uint32_t a[POINT_COUNT], b[POINT_COUNT];
         memset(a, 7, sizeof(a)); // only the requested entries may be written
         memset(b, 7, sizeof(b));
         stp_near_kernels_portable.find_nearest(grid, ranges, grid, at, end, rule, a);
-        stp_near_kernels_avx2.find_nearest(grid, ranges, grid, at, end, rule, b);
+        STP_VECTOR(stp_near_kernels).find_nearest(grid, ranges, grid, at, end, rule, b);
         if (memcmp(a, b, sizeof(a)) != 0) {
             return UINT32_MAX;
         }
@@ -75,7 +73,7 @@ static uint32_t compare_disks(const stp_grid* grid, const stp_near_ranges* range
         query.footprint = at % 7 == 0 ? 0.6f : 0.05f;
         stp_disk a = {0}, b = {0};
         bool full = stp_near_kernels_portable.scan_disk(grid, ranges, &query, &a);
-        if (full != stp_near_kernels_avx2.scan_disk(grid, ranges, &query, &b) ||
+        if (full != STP_VECTOR(stp_near_kernels).scan_disk(grid, ranges, &query, &b) ||
             !are_equal(&a, &b, query.until_full)) {
             return UINT32_MAX;
         }
@@ -93,7 +91,7 @@ static bool are_buckets_equal(const stp_grid* grid, const float* positions)
         const stp_grid_points* points = stride == 4 ? &triples : &columns;
         size_t end = POINT_COUNT / points->stride;
         stp_grid_kernels_portable.find_buckets(grid, points, 3, end, a);
-        stp_grid_kernels_avx2.find_buckets(grid, points, 3, end, b);
+        STP_VECTOR(stp_grid_kernels).find_buckets(grid, points, 3, end, b);
         if (memcmp(a, b, sizeof(a)) != 0) {
             return false;
         }
@@ -101,13 +99,10 @@ static bool are_buckets_equal(const stp_grid* grid, const float* positions)
     return true;
 }
 
-#endif
-
 void test_near_kernels_of_all_processors_agree(test_state* test)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() < STP_PROCESSOR_AVX2) {
-        SKIP("no AVX2");
+    if (stp_processor_detect() < STP_PROCESSOR_VECTOR) {
+        SKIP("this processor has no vectors");
     }
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -131,14 +126,12 @@ void test_near_kernels_of_all_processors_agree(test_state* test)
             uint32_t count = i / STP_NEAR_LANES * STP_NEAR_LANES;
             float a =
                 stp_near_kernels_portable.nearest_squared(grid.x, grid.y, grid.z, count, place);
-            float b = stp_near_kernels_avx2.nearest_squared(grid.x, grid.y, grid.z, count, place);
+            float b =
+                STP_VECTOR(stp_near_kernels).nearest_squared(grid.x, grid.y, grid.z, count, place);
             CHECK(a == b);
         }
         stp_grid_destroy(context, &grid);
     }
     CHECK(hits > 1000 && found > 100);
     stp_context_destroy(context);
-#else
-    SKIP("no AVX2");
-#endif
 }

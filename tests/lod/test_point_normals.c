@@ -128,12 +128,11 @@ void test_point_normals_have_the_same_sums_everywhere(test_state* test)
             CHECK(fabsf(plain[at][1] - sum[1]) < 1e-3f * (1.0f + sum[0]));
             CHECK(fabsf(plain[at][6] - sum[6]) < 1e-2f * (1.0f + sum[0]));
             plain[at][0] = stp_max(plain[at][0], 1.0f); // as `project` expects
-#if defined(__x86_64__)
-            if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-                stp_normal_kernels_avx2.sum_near(&list, radii[r] * radii[r], position, wide[at]);
+            if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+                STP_VECTOR(stp_normal_kernels)
+                    .sum_near(&list, radii[r] * radii[r], position, wide[at]);
                 wide[at][0] = stp_max(wide[at][0], 1.0f);
             }
-#endif
         }
         stp_normal_kernels_portable.project((const float(*)[STP_NORMAL_SUMS])plain, POINTS,
                                             matrices);
@@ -141,13 +140,12 @@ void test_point_normals_have_the_same_sums_everywhere(test_state* test)
         // a matrix depends on no other one
         stp_normal_kernels_portable.project((const float(*)[STP_NORMAL_SUMS])plain + 5, 3, other);
         CHECK(memcmp(matrices[5], other, 3 * sizeof(other[0])) == 0);
-#if defined(__x86_64__)
-        if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
             CHECK(memcmp(plain, wide, sizeof(plain)) == 0);
-            stp_normal_kernels_avx2.project((const float(*)[STP_NORMAL_SUMS])plain, POINTS, other);
+            STP_VECTOR(stp_normal_kernels)
+                .project((const float(*)[STP_NORMAL_SUMS])plain, POINTS, other);
             CHECK(memcmp(matrices, other, sizeof(matrices)) == 0);
         }
-#endif
     }
 }
 

@@ -2,6 +2,7 @@
 #include "point_sets.h"
 #include "tests.h"
 
+#include "base/core/processor.h"
 #include "base/io/hash.h"
 #include "order/order_kinds.h"
 
@@ -212,14 +213,13 @@ static stp_hash hash_of(const exact_case* c)
 // compiler.
 static void check_golden(test_state* test, stp_order_metric metric, uint64_t golden)
 {
-    static const char* const processors[] = {"baseline", "avx2", "avx512"};
     exact_case* c = make_case(TEST_WALL, 9, LARGEST);
     CHECK(c != NULL);
     for (uint32_t threads = 1; threads <= 3; ++threads) {
         stp_context* context = test_context(NULL, 3, NULL);
         CHECK(context != NULL);
         for (int p = 0; p < 3; ++p) {
-            setenv("STP_PROCESSOR", processors[p], 1);
+            setenv("STP_PROCESSOR", stp_processor_name((stp_processor)p), 1);
             stp_result result = order_case(context, c, metric, 3000, threads);
             unsetenv("STP_PROCESSOR");
             CHECK_EQUAL(STP_OK, result);

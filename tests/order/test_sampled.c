@@ -2,6 +2,7 @@
 #include "point_sets.h"
 #include "tests.h"
 
+#include "base/core/processor.h"
 #include "base/io/hash.h"
 #include "order/near_grid.h"
 
@@ -175,7 +176,6 @@ void test_sampled_orders_drop_near_samples(test_state* test)
 
 void test_sampled_orders_give_the_same_bytes_everywhere(test_state* test)
 {
-    static const char* const processors[] = {"baseline", "avx2", "avx512"};
     static const uint64_t golden[] = {UINT64_C(0xbec10b0f838111a6), UINT64_C(0x81c714bf18be049c),
                                       UINT64_C(0x9754835ccf7dc93a), UINT64_C(0xcccf281456e1351b)};
     for (uint32_t threads = 1; threads <= 2; ++threads) {
@@ -185,7 +185,7 @@ void test_sampled_orders_give_the_same_bytes_everywhere(test_state* test)
         for (size_t k = 0; k < sizeof(kinds) / sizeof(kinds[0]); ++k) {
             for (int p = 0; p < 3; ++p) {
                 stp_order_desc desc = {.kind = kinds[k], .seed = 11, .interval = 30};
-                setenv("STP_PROCESSOR", processors[p], 1);
+                setenv("STP_PROCESSOR", stp_processor_name((stp_processor)p), 1);
                 stp_result result = order_case(context, c, desc, 700);
                 unsetenv("STP_PROCESSOR");
                 CHECK_EQUAL(STP_OK, result);

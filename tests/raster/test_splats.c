@@ -415,13 +415,13 @@ void test_splats_within_levels_by_all_variants(test_state* test)
         stp_splats_fold_row(s.camera.matrix.m[3], &s.splats, frame.w);
         uint16_t expected[SPLATS / 16 + 1] = {0}, bits[SPLATS / 16 + 1] = {0};
         bool any = stp_splats_pick_portable(&frame, expected);
-        if (processor >= STP_PROCESSOR_AVX2) {
-            CHECK_EQUAL(any, stp_splats_pick_avx2(&frame, bits));
+        if (processor >= STP_PROCESSOR_VECTOR) {
+            CHECK_EQUAL(any, STP_VECTOR(stp_splats_pick)(&frame, bits));
             CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
         }
-        if (processor == STP_PROCESSOR_AVX512) {
+        if (processor == STP_PROCESSOR_WIDE) {
             memset(bits, 0, sizeof(bits));
-            CHECK_EQUAL(any, stp_splats_pick_avx512(&frame, bits));
+            CHECK_EQUAL(any, STP_WIDE(stp_splats_pick)(&frame, bits));
             CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
         }
     }
@@ -446,7 +446,7 @@ void test_splats_variants_give_the_same_bits(test_state* test)
     static splat_scene s;
     stp_processor processor = stp_processor_detect();
     if (processor == STP_PROCESSOR_BASELINE) {
-        SKIP("this processor has no AVX2");
+        SKIP("this processor has no vectors");
     }
     float growths[256];
     for (int i = 0; i < 256; ++i) {
@@ -478,11 +478,11 @@ void test_splats_variants_give_the_same_bits(test_state* test)
         s.splats.begin = s.splats.wanted != NULL ? 16 * (uint32_t)(round % 4) : s.splats.begin;
         uint64_t expected, hash, expected_fragments, fragments;
         draw_variant(&s, stp_splats_draw_portable, &expected, &expected_fragments);
-        draw_variant(&s, stp_splats_draw_avx2, &hash, &fragments);
+        draw_variant(&s, STP_VECTOR(stp_splats_draw), &hash, &fragments);
         CHECK_EQUAL(expected, hash);
         CHECK_EQUAL(expected_fragments, fragments);
-        if (processor == STP_PROCESSOR_AVX512) {
-            draw_variant(&s, stp_splats_draw_avx512, &hash, &fragments);
+        if (processor == STP_PROCESSOR_WIDE) {
+            draw_variant(&s, STP_WIDE(stp_splats_draw), &hash, &fragments);
             CHECK_EQUAL(expected, hash);
             CHECK_EQUAL(expected_fragments, fragments);
         }
@@ -871,8 +871,8 @@ void test_splats_within_depths_are_as_each_alone(test_state* test)
 {
     static splat_scene s;
     static uint64_t whole[WIDTH * HEIGHT];
-    const splat_kernel kernels[] = {stp_splats_draw_portable, stp_splats_draw_avx2,
-                                    stp_splats_draw_avx512};
+    const splat_kernel kernels[] = {stp_splats_draw_portable, STP_VECTOR(stp_splats_draw),
+                                    STP_WIDE(stp_splats_draw)};
     int count = 1 + (int)stp_processor_detect(); // as many as this processor has
     for (int round = 0; round < 24; ++round) {
         make_scene(&s, 900 + (uint64_t)round, 0.001 * (double)(1u << (round % 8)));

@@ -157,17 +157,15 @@ void test_splats_blend_alike_whatever_is_left_out(test_state* test)
     static blend_scene s;
     uint64_t portable, other;
     check_kernel(test, stp_splats_blend_portable, &portable);
-#if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
-    if (processor >= STP_PROCESSOR_AVX2) {
-        check_kernel(test, stp_splats_blend_avx2, &other);
+    if (processor >= STP_PROCESSOR_VECTOR) {
+        check_kernel(test, STP_VECTOR(stp_splats_blend), &other);
         CHECK(portable == other);
     }
-    if (processor >= STP_PROCESSOR_AVX512) {
-        check_kernel(test, stp_splats_blend_avx512, &other);
+    if (processor >= STP_PROCESSOR_WIDE) {
+        check_kernel(test, STP_WIDE(stp_splats_blend), &other);
         CHECK(portable == other);
     }
-#endif
     // many are hidden, or nothing was tested
     make_scene(&s, 3);
     draw(&s);

@@ -157,18 +157,14 @@ void test_splats_within_levels_of_their_direction_by_all_variants(test_state* te
         uint16_t expected[WORDS] = {0}, bits[WORDS] = {0};
         bool any = stp_splats_pick_portable(&frame, expected);
         CHECK(any);
-#if defined(__x86_64__)
         stp_processor processor = stp_processor_detect();
-        if (processor >= STP_PROCESSOR_AVX2) {
-            CHECK_EQUAL(any, stp_splats_pick_avx2(&frame, bits));
+        if (processor >= STP_PROCESSOR_VECTOR) {
+            CHECK_EQUAL(any, STP_VECTOR(stp_splats_pick)(&frame, bits));
             CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
         }
-        if (processor >= STP_PROCESSOR_AVX512) {
-            CHECK_EQUAL(any, stp_splats_pick_avx512(&frame, bits));
+        if (processor >= STP_PROCESSOR_WIDE) {
+            CHECK_EQUAL(any, STP_WIDE(stp_splats_pick)(&frame, bits));
             CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
         }
-#else
-        (void)bits;
-#endif
     }
 }

@@ -154,7 +154,6 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
     }
 }
 
-#if defined(__x86_64__)
 /// Draws the wanted splats in front of the wall with a kernel.
 static void draw_wanted(hidden_scene* s, splat_kernel kernel, uint16_t hidden[WORDS])
 {
@@ -170,7 +169,7 @@ void test_splats_hidden_among_the_wanted(test_state* test)
 {
     static hidden_scene s;
     static uint16_t wanted[WORDS], expected[WORDS], hidden[WORDS];
-    const splat_kernel kernels[] = {stp_splats_draw_avx2, stp_splats_draw_avx512};
+    const splat_kernel kernels[] = {STP_VECTOR(stp_splats_draw), STP_WIDE(stp_splats_draw)};
     stp_processor processor = stp_processor_detect();
     int count = 0;
     for (uint64_t seed = 1; seed <= 24; ++seed) {
@@ -191,7 +190,7 @@ void test_splats_hidden_among_the_wanted(test_state* test)
         memcpy(s.expected, s.pixels, sizeof(s.pixels));
         count += count_bits(expected);
         for (int k = 0; k < 2; ++k) {
-            if (processor >= (k == 0 ? STP_PROCESSOR_AVX2 : STP_PROCESSOR_AVX512)) {
+            if (processor >= (k == 0 ? STP_PROCESSOR_VECTOR : STP_PROCESSOR_WIDE)) {
                 draw_wanted(&s, kernels[k], hidden);
                 CHECK_EQUAL(0, memcmp(s.expected, s.pixels, sizeof(s.pixels)));
                 CHECK_EQUAL(0, memcmp(expected, hidden, sizeof(hidden)));
@@ -200,22 +199,19 @@ void test_splats_hidden_among_the_wanted(test_state* test)
     }
     CHECK(count > 500);
 }
-#endif
 
 void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};
     check_kernel(test, stp_splats_draw_portable, stp_splats_test_portable, &hidden[0]);
     CHECK(hidden[0] > 500); // otherwise the test proves nothing
-#if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
-    if (processor >= STP_PROCESSOR_AVX2) {
-        check_kernel(test, stp_splats_draw_avx2, stp_splats_test_avx2, &hidden[1]);
+    if (processor >= STP_PROCESSOR_VECTOR) {
+        check_kernel(test, STP_VECTOR(stp_splats_draw), STP_VECTOR(stp_splats_test), &hidden[1]);
         CHECK_EQUAL(hidden[0], hidden[1]);
     }
-    if (processor >= STP_PROCESSOR_AVX512) {
-        check_kernel(test, stp_splats_draw_avx512, stp_splats_test_avx512, &hidden[2]);
+    if (processor >= STP_PROCESSOR_WIDE) {
+        check_kernel(test, STP_WIDE(stp_splats_draw), STP_WIDE(stp_splats_test), &hidden[2]);
         CHECK_EQUAL(hidden[0], hidden[2]);
     }
-#endif
 }

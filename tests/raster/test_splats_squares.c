@@ -195,16 +195,14 @@ void test_splats_squares_are_the_same_by_all_variants(test_state* test)
         s.splats.back_depth = 2.0f;
         uint64_t hash = draw_variant(&s, stp_splats_squares_portable, &fragments);
         CHECK(fragments > 100);
-#if defined(__x86_64__)
-        if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-            CHECK(draw_variant(&s, stp_splats_squares_avx2, &other) == hash);
+        if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+            CHECK(draw_variant(&s, STP_VECTOR(stp_splats_squares), &other) == hash);
             CHECK_EQUAL(fragments, other);
         }
-        if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-            CHECK(draw_variant(&s, stp_splats_squares_avx512, &other) == hash);
+        if (stp_processor_detect() >= STP_PROCESSOR_WIDE) {
+            CHECK(draw_variant(&s, STP_WIDE(stp_splats_squares), &other) == hash);
             CHECK_EQUAL(fragments, other);
         }
-#endif
         clear(&s);
         other = stp_raster_draw_splats(&s.target, 0, 13, &s.camera, &s.splats, 0);
         other += stp_raster_draw_splats(&s.target, 13, HEIGHT, &s.camera, &s.splats, 0);

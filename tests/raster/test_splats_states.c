@@ -65,23 +65,19 @@ static void check_state(test_state* test, fixture* f, uint32_t wanted, uint64_t 
                                           .end = piece == 0 ? middle : end};
         const levels_frame frame = frame_of(f, &splats, wanted);
         (void)stp_splats_pick_portable(&frame, bits[0]);
-#if defined(__x86_64__)
-        if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-            (void)stp_splats_pick_avx2(&frame, bits[1]);
+        if (stp_processor_detect() >= STP_PROCESSOR_VECTOR) {
+            (void)STP_VECTOR(stp_splats_pick)(&frame, bits[1]);
         }
-        if (stp_processor_detect() >= STP_PROCESSOR_AVX512) {
-            (void)stp_splats_pick_avx512(&frame, bits[2]);
+        if (stp_processor_detect() >= STP_PROCESSOR_WIDE) {
+            (void)STP_WIDE(stp_splats_pick)(&frame, bits[2]);
         }
-#endif
     }
     CHECK_EQUAL(wanted, size);
     CHECK(memcmp(expected, bits[0], words * sizeof(*expected)) == 0);
-#if defined(__x86_64__)
-    CHECK(stp_processor_detect() < STP_PROCESSOR_AVX2 ||
+    CHECK(stp_processor_detect() < STP_PROCESSOR_VECTOR ||
           memcmp(expected, bits[1], words * sizeof(*expected)) == 0);
-    CHECK(stp_processor_detect() < STP_PROCESSOR_AVX512 ||
+    CHECK(stp_processor_detect() < STP_PROCESSOR_WIDE ||
           memcmp(expected, bits[2], words * sizeof(*expected)) == 0);
-#endif
 }
 
 void test_splats_of_a_state_are_those_of_its_definition(test_state* test)

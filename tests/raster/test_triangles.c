@@ -329,11 +329,9 @@ void test_triangles_variants_give_the_same_bits(test_state* test)
     static float positions[300 * 9];
     static const float sizes[] = {0.7f, 2.0f, 6.0f, 60.0f, 600.0f};
     const stp_triangle_kernels* variants[2] = {NULL, NULL};
-#if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
-    variants[0] = processor >= STP_PROCESSOR_AVX2 ? &stp_triangle_kernels_avx2 : NULL;
-    variants[1] = processor >= STP_PROCESSOR_AVX512 ? &stp_triangle_kernels_avx512 : NULL;
-#endif
+    variants[0] = processor >= STP_PROCESSOR_VECTOR ? &STP_VECTOR(stp_triangle_kernels) : NULL;
+    variants[1] = processor >= STP_PROCESSOR_WIDE ? &STP_WIDE(stp_triangle_kernels) : NULL;
     if (variants[0] == NULL) {
         SKIP("this processor runs the portable variant only");
     }

@@ -89,11 +89,9 @@ void test_triangles_of_any_shape_follow_the_rule(test_state* test)
     static const int64_t lengths[] = {3, 12, 60, 127, 129, 400, 2040, 2060, 1 << 20};
     static const int64_t thicknesses[] = {0, 1, 4, 40, 400};
     const stp_triangle_kernels* variants[3] = {&stp_triangle_kernels_portable, NULL, NULL};
-#if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
-    variants[1] = processor >= STP_PROCESSOR_AVX2 ? &stp_triangle_kernels_avx2 : NULL;
-    variants[2] = processor >= STP_PROCESSOR_AVX512 ? &stp_triangle_kernels_avx512 : NULL;
-#endif
+    variants[1] = processor >= STP_PROCESSOR_VECTOR ? &STP_VECTOR(stp_triangle_kernels) : NULL;
+    variants[2] = processor >= STP_PROCESSOR_WIDE ? &STP_WIDE(stp_triangle_kernels) : NULL;
     for (uint64_t shape = 0; shape < 9 * 5; ++shape) {
         stp_screen_vertex corners[EACH][3];
         uint64_t fragments = 0, expected = 0;

@@ -8,7 +8,6 @@
 
 #include <stdlib.h>
 
-#if defined(__x86_64__)
 static bool is_same(uint32_t count, const uint32_t widths[3], uint64_t seed, uint32_t* done)
 {
     static float positions[3 * STP_CLUSTER_VERTICES];
@@ -29,7 +28,7 @@ static bool is_same(uint32_t count, const uint32_t widths[3], uint64_t seed, uin
                                     .layout = STP_CLUSTER_PLAIN};
         same = same && bytes[k] != NULL;
     }
-    *done = same ? stp_clusters_unpack_avx2(runs, count, 0.125f, positions) : 0;
+    *done = same ? STP_VECTOR(stp_clusters_unpack)(runs, count, 0.125f, positions) : 0;
     same = same && *done <= count;
     for (uint32_t i = 0; same && i < 3 * *done; ++i) {
         float wanted = (float)stp_cluster_value(&runs[i % 3], i / 3) * 0.125f;
@@ -40,13 +39,11 @@ static bool is_same(uint32_t count, const uint32_t widths[3], uint64_t seed, uin
     }
     return same;
 }
-#endif
 
 void test_clusters_unpack_many_as_one_by_one(test_state* test)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() < STP_PROCESSOR_AVX2) {
-        SKIP("this processor has no AVX2");
+    if (stp_processor_detect() < STP_PROCESSOR_VECTOR) {
+        SKIP("this processor has no vectors");
     }
     for (uint32_t width = 0; width <= CLUSTERS_UNPACK_WIDTH + 1; ++width) {
         for (uint32_t count = 1; count <= STP_CLUSTER_VERTICES; count += count < 40 ? 1 : 27) {
@@ -59,7 +56,4 @@ void test_clusters_unpack_many_as_one_by_one(test_state* test)
             CHECK(!wide || width > CLUSTERS_UNPACK_WIDTH || done + 8 > count);
         }
     }
-#else
-    SKIP("other processors unpack one by one");
-#endif
 }

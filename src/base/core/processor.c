@@ -2,6 +2,7 @@
 #define _DEFAULT_SOURCE // _SC_NPROCESSORS_ONLN
 #include "base/core/processor.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -32,9 +33,11 @@ static stp_processor ask_hardware(void)
     if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl")) {
-        return STP_PROCESSOR_AVX512;
+        return STP_PROCESSOR_WIDE;
     }
-    return avx2 ? STP_PROCESSOR_AVX2 : STP_PROCESSOR_BASELINE;
+    return avx2 ? STP_PROCESSOR_VECTOR : STP_PROCESSOR_BASELINE;
+#elif defined(__aarch64__)
+    return STP_PROCESSOR_VECTOR; // NEON is part of the architecture
 #else
     return STP_PROCESSOR_BASELINE;
 #endif
@@ -53,15 +56,25 @@ static stp_processor detect_hardware(void)
     return (stp_processor)found;
 }
 
+const char* stp_processor_name(stp_processor processor)
+{
+#if defined(__aarch64__)
+    static const char* const names[] = {"baseline", "neon", "neon"};
+#else
+    static const char* const names[] = {"baseline", "avx2", "avx512"};
+#endif
+    assert(processor <= STP_PROCESSOR_WIDE);
+    return names[processor];
+}
+
 stp_processor stp_processor_detect(void)
 {
     stp_processor found = detect_hardware();
     const char* wanted = getenv("STP_PROCESSOR");
-    if (wanted != NULL && strcmp(wanted, "baseline") == 0) {
-        return STP_PROCESSOR_BASELINE;
-    }
-    if (wanted != NULL && strcmp(wanted, "avx2") == 0 && found > STP_PROCESSOR_AVX2) {
-        return STP_PROCESSOR_AVX2;
+    for (stp_processor p = STP_PROCESSOR_BASELINE; wanted != NULL && p < found; ++p) {
+        if (strcmp(wanted, stp_processor_name(p)) == 0) {
+            return p;
+        }
     }
     return found;
 }

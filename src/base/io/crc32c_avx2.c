@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 // stp_crc32c with the SSE4.2 instruction, eight bytes at a time.
-#include "base/io/hash.h"
-
-#if defined(__x86_64__)
-
 #include "base/io/bytes.h"
+#include "base/io/hash.h"
 
 #include <nmmintrin.h>
 
-uint32_t stp_crc32c_avx2(const void* bytes, size_t size)
+uint32_t stp_crc32c_vector(const void* bytes, size_t size)
 {
     const unsigned char* at = bytes;
     uint64_t crc = UINT32_MAX;
@@ -20,5 +17,3 @@ uint32_t stp_crc32c_avx2(const void* bytes, size_t size)
     }
     return ~(uint32_t)crc;
 }
-
-#endif

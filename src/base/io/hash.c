@@ -102,10 +102,5 @@ uint32_t stp_crc32c_portable(const void* bytes, size_t size)
 
 uint32_t stp_crc32c(const void* bytes, size_t size)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return stp_crc32c_avx2(bytes, size);
-    }
-#endif
-    return stp_crc32c_portable(bytes, size);
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), stp_crc32c)(bytes, size);
 }

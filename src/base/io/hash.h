@@ -38,7 +38,6 @@ static inline bool stp_hash_equal(stp_hash a, stp_hash b)
 /// Checksum of `size` bytes: reflected, initial value and final XOR all ones. Any thread.
 uint32_t stp_crc32c(const void* bytes, size_t size);
 
-/// Portable variant; stp_crc32c chooses.
+/// Variants, portable and with the CPU's CRC instruction; stp_crc32c chooses.
 uint32_t stp_crc32c_portable(const void* bytes, size_t size);
-/// Variant with the CPU's CRC instruction. Requires AVX2 or more from stp_processor_detect.
-uint32_t stp_crc32c_avx2(const void* bytes, size_t size);
+uint32_t stp_crc32c_vector(const void* bytes, size_t size);

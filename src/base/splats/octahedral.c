@@ -62,19 +62,17 @@ void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
     assert(best > 0.9f && "the best code is close to the direction");
 }
 
+void stp_octahedral_encode_portable(const float* normals, size_t count, int8_t* out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const float* n = normals + 3 * i;
+        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * i);
+    }
+}
+
 void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
 {
-    size_t done = 0;
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        done = stp_octahedral_encode_avx2(normals, count, out);
-    }
-#endif
-    assert(done <= count);
-    for (; done < count; ++done) {
-        const float* n = normals + 3 * done;
-        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);
-    }
+    STP_VARIANT_OF_TWO(stp_processor_detect(), stp_octahedral_encode)(normals, count, out);
 }
 
 void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out)

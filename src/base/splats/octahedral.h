@@ -41,5 +41,6 @@ void stp_octahedral_encode16(stp_vec3 n, int16_t out[2]);
 /// Encodes `count` directions, 3 floats each.
 void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out);
 
-/// stp_octahedral_encode_many for whole vectors of eight. @return how many were encoded
-size_t stp_octahedral_encode_avx2(const float* normals, size_t count, int8_t* out);
+/// Variants of stp_octahedral_encode_many, which chooses.
+void stp_octahedral_encode_portable(const float* normals, size_t count, int8_t* out);
+void stp_octahedral_encode_vector(const float* normals, size_t count, int8_t* out);

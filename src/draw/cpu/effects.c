@@ -27,17 +27,7 @@ typedef struct effect_frame {
 
 const stp_cpu_effect_kernels* stp_cpu_choose_effect_kernels(void)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return &stp_cpu_effect_kernels_avx512;
-    case STP_PROCESSOR_AVX2:
-        return &stp_cpu_effect_kernels_avx2;
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return &stp_cpu_effect_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_cpu_effect_kernels);
 }
 
 /// First pixel of a row; rows outside the picture are infinitely far.

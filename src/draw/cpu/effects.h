@@ -45,8 +45,8 @@ typedef struct stp_cpu_effect_kernels {
                    float* out, uint32_t count);
 } stp_cpu_effect_kernels;
 
-extern const stp_cpu_effect_kernels stp_cpu_effect_kernels_portable, stp_cpu_effect_kernels_avx2,
-    stp_cpu_effect_kernels_avx512;
+extern const stp_cpu_effect_kernels stp_cpu_effect_kernels_portable, stp_cpu_effect_kernels_vector,
+    stp_cpu_effect_kernels_wide;
 const stp_cpu_effect_kernels* stp_cpu_choose_effect_kernels(void);
 
 static inline bool stp_cpu_has_effects(const stp_draw_style* style)

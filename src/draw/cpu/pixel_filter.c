@@ -26,17 +26,7 @@ typedef struct pixel_filter {
 
 const stp_cpu_pixel_kernels* stp_cpu_choose_pixel_kernels(void)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return &stp_cpu_pixel_kernels_avx512;
-    case STP_PROCESSOR_AVX2:
-        return &stp_cpu_pixel_kernels_avx2;
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return &stp_cpu_pixel_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_cpu_pixel_kernels);
 }
 
 static size_t align(size_t bytes)

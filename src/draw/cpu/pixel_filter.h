@@ -24,8 +24,8 @@ typedef struct stp_cpu_pixel_kernels {
                  uint8_t* pixels, uint32_t width);
 } stp_cpu_pixel_kernels;
 
-extern const stp_cpu_pixel_kernels stp_cpu_pixel_kernels_portable, stp_cpu_pixel_kernels_avx2,
-    stp_cpu_pixel_kernels_avx512;
+extern const stp_cpu_pixel_kernels stp_cpu_pixel_kernels_portable, stp_cpu_pixel_kernels_vector,
+    stp_cpu_pixel_kernels_wide;
 const stp_cpu_pixel_kernels* stp_cpu_choose_pixel_kernels(void);
 
 /// Whether the frame's pictures are filtered: those with one sample, if the style wants it.

@@ -123,8 +123,8 @@ typedef struct stp_cpu_shade_kernels {
                         float* depth);
 } stp_cpu_shade_kernels;
 
-extern const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable, stp_cpu_shade_kernels_avx2,
-    stp_cpu_shade_kernels_avx512;
+extern const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable, stp_cpu_shade_kernels_vector,
+    stp_cpu_shade_kernels_wide;
 const stp_cpu_shade_kernels* stp_cpu_choose_shade_kernels(void);
 
 /// Variation among the pixels of an id.

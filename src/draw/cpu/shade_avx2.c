@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Vectors of eight numbers.
-#if defined(__x86_64__)
-
 #include "draw/cpu/shade.h"
 
 #include <immintrin.h>
@@ -63,11 +61,5 @@ static inline void lanes_turn(const stp_cpu_shade_surface* surfaces, const uint3
 
 #include "draw/cpu/shade_lanes.h"
 
-const stp_cpu_shade_kernels stp_cpu_shade_kernels_avx2 = {merge_row, light_all, spread_row,
-                                                          find_depths};
-
-#else
-
-typedef int not_for_this_processor;
-
-#endif
+const stp_cpu_shade_kernels stp_cpu_shade_kernels_vector = {merge_row, light_all, spread_row,
+                                                            find_depths};

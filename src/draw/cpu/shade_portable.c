@@ -56,15 +56,5 @@ const stp_cpu_shade_kernels stp_cpu_shade_kernels_portable = {merge_row, light_a
 
 const stp_cpu_shade_kernels* stp_cpu_choose_shade_kernels(void)
 {
-#if defined(__x86_64__)
-    switch (stp_processor_detect()) {
-    case STP_PROCESSOR_AVX512:
-        return &stp_cpu_shade_kernels_avx512;
-    case STP_PROCESSOR_AVX2:
-        return &stp_cpu_shade_kernels_avx2;
-    case STP_PROCESSOR_BASELINE:
-        break;
-    }
-#endif
-    return &stp_cpu_shade_kernels_portable;
+    return STP_VARIANT(stp_processor_detect(), &stp_cpu_shade_kernels);
 }

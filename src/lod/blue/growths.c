@@ -43,12 +43,7 @@ float stp_growth_factor(uint32_t growth)
 
 const stp_growth_kernels* stp_growth_kernels_select(void)
 {
-#if defined(__x86_64__)
-    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return &stp_growth_kernels_avx2;
-    }
-#endif
-    return &stp_growth_kernels_portable;
+    return STP_VARIANT_OF_TWO(stp_processor_detect(), &stp_growth_kernels);
 }
 
 typedef struct gap_search {

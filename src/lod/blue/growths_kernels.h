@@ -52,4 +52,4 @@ typedef struct stp_growth_kernels {
 const stp_growth_kernels* stp_growth_kernels_select(void);
 
 extern const stp_growth_kernels stp_growth_kernels_portable;
-extern const stp_growth_kernels stp_growth_kernels_avx2;
+extern const stp_growth_kernels stp_growth_kernels_vector;

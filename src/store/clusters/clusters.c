@@ -2,7 +2,6 @@
 // Reads coded meshes: checked once as a whole, then any cluster at any time.
 #include "store/clusters/clusters.h"
 
-#include "base/core/processor.h"
 #include "store/clusters/clusters_layout.h"
 
 #include <assert.h>
@@ -165,7 +164,7 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
         .triangle_count = stp_read_u32(p + 4),
         .vertex_count = stp_read_u32(p + 8),
         .present = clusters_read_present(p),
-        .unpacks_many = stp_processor_detect() >= STP_PROCESSOR_AVX2,
+        .processor = stp_processor_detect(),
     };
     uint32_t known =
         STP_COLUMN_NORMALS | STP_COLUMN_COLORS | STP_COLUMN_TEXCOORDS_0 | STP_COLUMN_TEXCOORDS_1;
@@ -415,16 +414,19 @@ static void get_grouped(const stp_cluster_run* run, uint32_t count, float step, 
     }
 }
 
+/// Nothing: without vectors, values are unpacked one by one.
+uint32_t stp_clusters_unpack_portable(const stp_cluster_run runs[3], uint32_t count, float step,
+                                      float* positions)
+{
+    (void)runs, (void)count, (void)step, (void)positions;
+    return 0;
+}
+
 void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
                            float positions[3 * STP_CLUSTER_VERTICES])
 {
-    uint32_t done = 0;
-#if defined(__x86_64__)
-    if (clusters->unpacks_many) {
-        done = stp_clusters_unpack_avx2(cluster->runs, cluster->vertex_count, clusters->step,
-                                        positions);
-    }
-#endif
+    uint32_t done = STP_VARIANT_OF_TWO(clusters->processor, stp_clusters_unpack)(
+        cluster->runs, cluster->vertex_count, clusters->step, positions);
     assert(done <= cluster->vertex_count);
     for (uint32_t k = 0; k < 3; ++k) {
         const stp_cluster_run run = cluster->runs[k];

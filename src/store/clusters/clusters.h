@@ -21,6 +21,7 @@
 #pragma once
 
 #include "base/core/context.h"
+#include "base/core/processor.h"
 #include "base/math/math.h"
 
 #include <assert.h>
@@ -93,7 +94,7 @@ typedef struct stp_clusters {
     uint32_t cluster_count, triangle_count, vertex_count;
     uint32_t present; ///< STP_COLUMN_*
     float step, texcoord_steps[2];
-    bool unpacks_many; ///< this CPU can unpack positions with AVX2
+    stp_processor processor; ///< whose kernel unpacks positions
 } stp_clusters;
 
 /// Checks every count, size and index of a coded mesh. The functions below require it.

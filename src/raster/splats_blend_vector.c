@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The splat filter, auto-vectorised to 512 bits.
+// The splat filter, auto-vectorised to 256 bits, or NEON's 128.
 #include "raster/splats_blend_kernel.h"
 
-void stp_splats_blend_avx512(const stp_raster_blend* blend, const stp_raster_camera* camera,
+void stp_splats_blend_vector(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats, bool adds)
 {
     blend_all(blend, camera, splats, adds);

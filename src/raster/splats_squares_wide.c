@@ -2,7 +2,7 @@
 // Square splats, auto-vectorised to 512 bits.
 #include "raster/splats_squares_kernel.h"
 
-uint64_t stp_splats_squares_avx512(const stp_splat_frame* frame)
+uint64_t stp_splats_squares_wide(const stp_splat_frame* frame)
 {
     return draw_all_squares(frame);
 }

@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: MIT
-// The level range test, auto-vectorised to 256 bits.
-#include "raster/splats_levels_kernel.h"
-
-bool stp_splats_pick_avx2(const levels_frame* frame, uint16_t* bits)
-{
-    return pick_all(frame, bits);
-}

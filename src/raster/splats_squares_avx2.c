@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: MIT
-// Square splats, auto-vectorised to 256 bits.
-#include "raster/splats_squares_kernel.h"
-
-uint64_t stp_splats_squares_avx2(const stp_splat_frame* frame)
-{
-    return draw_all_squares(frame);
-}
