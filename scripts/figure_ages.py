@@ -32,6 +32,7 @@ ROOMS = {
     "bench/budget_views.py": DRAWING + ["src/lod"],
     "bench/controllers.py": DRAWING + ["src/lod"],
     "bench/gaps.py": DRAWING + ["src/lod"],
+    "bench/jumps.py": DRAWING + ["src/lod"],
     "bench/growth.py": DRAWING + ["src/lod"],
     "bench/popping.py": DRAWING + ["src/lod"],
     "bench/positions.py": DRAWING + ["src/lod"],

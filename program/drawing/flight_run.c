@@ -82,6 +82,30 @@ static stp_result warm_up(frame_maker* maker, const flight_plan* plan, flight_re
     return result;
 }
 
+/// Draws a frame within a budget. One whose list is too long is not drawn before it is coarser.
+static stp_result draw_in_time(frame_maker* maker, const stp_view* view, stp_quality* quality,
+                               const stp_draw_style* whole, stp_budget* budget, stp_image* image,
+                               frame_figures* figures)
+{
+    double refused_ms = 0.0;
+    quality->limit = stp_budget_limit(budget);
+    stp_result result;
+    for (;;) {
+        quality->splat_size = stp_budget_splat_size(budget);
+        maker->style = stp_draw_style_without(whole, stp_budget_left_out(budget));
+        maker->style.resolution = stp_budget_resolution(budget);
+        result = frame_draw(maker, view, quality, image, figures);
+        if (result != STP_OK || !figures->exceeds) {
+            break;
+        }
+        stp_budget_foresee(budget, &figures->cost);
+        refused_ms += figures->cost.milliseconds;
+        quality->limit = (stp_work_limit){0};
+    }
+    figures->cost.milliseconds += refused_ms;
+    return result;
+}
+
 static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_record* record,
                             stp_image* image)
 {
@@ -96,13 +120,12 @@ static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_
     for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
         stp_view view = view_of_frame(plan, record, i);
         if (plan->budget_ms > 0.0) {
-            quality.splat_size = stp_budget_splat_size(&budget);
+            result =
+                draw_in_time(maker, &view, &quality, &whole, &budget, image, &record->frames[i]);
+            stp_budget_update(&budget, &record->frames[i].cost);
+        } else {
+            result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
         }
-        uint32_t left_out = plan->budget_ms > 0.0 ? stp_budget_left_out(&budget) : 0;
-        maker->style = stp_draw_style_without(&whole, left_out);
-        maker->style.resolution = plan->budget_ms > 0.0 ? stp_budget_resolution(&budget) : 0.0f;
-        result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
-        stp_budget_update(&budget, &record->frames[i].cost);
         if (result == STP_OK) {
             result =
                 stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);

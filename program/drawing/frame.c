@@ -187,6 +187,7 @@ static stp_result draw(frame_maker* maker, const stp_view* view, const stp_quali
     double frame_ms = stp_clock_ms() - start;
     *figures =
         (frame_figures){.cost = stp_draw_frame_cost(style, stats, maker->list.splat_size, frame_ms),
+                        .exceeds = stats->exceeds,
                         .left_out = style->left_out,
                         .missing = missing,
                         .select_ms = stats->select_ms,

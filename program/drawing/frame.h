@@ -10,6 +10,7 @@
 typedef struct frame_figures {
     stp_frame_cost cost; ///< of the whole frame: selected, drawn and shaded
     double select_ms, draw_ms, shade_ms;
+    bool exceeds;               ///< it was not drawn (stp_draw_stats.exceeds)
     uint32_t left_out;          ///< effects that it was drawn without (stp_budget_left_out)
     uint64_t splats, triangles; ///< drawn; `cost` counts what was looked at to draw them
     uint64_t extra_splats;      ///< listed while levels blend

@@ -79,7 +79,7 @@ static stp_result draw_enlarged(stp_renderer* renderer, const stp_view* view,
         result =
             renderer->draw_selected(renderer, &small, quality, &smaller, list, &small_image, stats);
     }
-    if (result != STP_OK) {
+    if (result != STP_OK || stats->exceeds) {
         return result;
     }
     double start = stp_clock_ms();

@@ -103,13 +103,11 @@ static void update_budget_pending(stp_painter* painter)
     stp_budget_update(&painter->budget, &cost);
 }
 
-/// Splat size for a budget, at least the requested one, in pixels as drawn. Frames that are
-/// averaged, `whole`, have all pixels.
-static float choose_size(stp_painter* painter, double budget_ms, float minimum, bool whole)
+static void prepare_budget(stp_painter* painter, double budget_ms)
 {
     if (!(budget_ms > 0.0)) {
         painter->has_pending = false;
-        return minimum;
+        return;
     }
     if (painter->budget_ms != budget_ms) {
         stp_budget_init(&painter->budget, STP_CONTROLLER_PREDICT, budget_ms);
@@ -120,9 +118,15 @@ static float choose_size(stp_painter* painter, double budget_ms, float minimum, 
         painter->has_pending = false;
     }
     update_budget_pending(painter);
-    float resolution = stp_budget_resolution(&painter->budget);
-    float size = stp_max(stp_budget_splat_size(&painter->budget) / resolution, minimum);
-    return whole ? size : size * resolution;
+}
+
+/// Splat size for a budget, at least the requested one, in pixels of the whole picture.
+static float choose_size(const stp_painter* painter, double budget_ms, float minimum)
+{
+    const stp_budget* budget = &painter->budget;
+    return budget_ms > 0.0
+               ? stp_max(stp_budget_splat_size(budget) / stp_budget_resolution(budget), minimum)
+               : minimum;
 }
 
 static void update_budget(stp_painter* painter, const picture* p)
@@ -280,9 +284,38 @@ static stp_result draw_rows(picture* p, size_t stride)
     p->image = &tight;
     result = draw_complete(p);
     p->image = image;
-    if (result == STP_OK) {
+    if (result == STP_OK && !p->stats.exceeds) {
         copy_rows(&tight, image, stride);
     }
+    return result;
+}
+
+/// Draws within the budget. A picture whose list is too long is not drawn before it is coarser.
+static stp_result draw_in_time(picture* p, size_t stride)
+{
+    stp_painter* painter = p->painter;
+    stp_budget* budget = &painter->budget;
+    const stp_draw_style whole = p->style;
+    const float minimum = p->quality.splat_size;
+    double refused_ms = 0.0;
+    p->quality.limit = p->complete ? (stp_work_limit){0} : stp_budget_limit(budget);
+    stp_result result;
+    for (;;) {
+        float resolution = stp_budget_resolution(budget);
+        p->quality.splat_size = resolution * choose_size(painter, painter->budget_ms, minimum);
+        p->style = stp_draw_style_without(&whole, stp_budget_left_out(budget));
+        p->style.resolution = resolution;
+        result = draw_rows(p, stride);
+        if (result != STP_OK || !p->stats.exceeds) {
+            break;
+        }
+        stp_frame_cost listed =
+            stp_draw_frame_cost(&p->style, &p->stats, painter->list.splat_size, p->frame_ms);
+        stp_budget_foresee(budget, &listed);
+        refused_ms += p->frame_ms;
+        p->quality.limit = (stp_work_limit){0};
+    }
+    p->frame_ms += refused_ms;
     return result;
 }
 
@@ -318,16 +351,16 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
     }
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
-    p.quality.splat_size =
-        choose_size(painter, desc.budget_ms, p.quality.splat_size, p.accumulates);
+    prepare_budget(painter, desc.budget_ms);
     bool budgeted = desc.budget_ms > 0.0 && !p.accumulates;
-    if (budgeted) {
-        p.style = stp_draw_style_without(&p.style, stp_budget_left_out(&painter->budget));
-        p.style.resolution = stp_budget_resolution(&painter->budget);
-    }
     painter->view.width = 0;
     begin_stopping(painter);
-    result = draw_rows(&p, desc.stride);
+    if (budgeted) {
+        result = draw_in_time(&p, desc.stride);
+    } else {
+        p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
+        result = draw_rows(&p, desc.stride);
+    }
     if (result != STP_OK) {
         return result;
     }

@@ -65,7 +65,11 @@ static const double effect_size[STP_EFFECT_COUNT] = {1.5, 1.5, 1.5, 1.1};
 #define TRIAL_FOLLOWS 0.05
 #define TRIAL_NOISE 1.03 // times of a trial rise by no more than this
 #define TREND_FOLLOWS 0.5
-#define MAX_LATE 0.4 // logarithm: a larger difference means a different place
+#define SURPRISE 1.1       // limit on the work of a list, relative to the time wanted for it
+#define LEAST_SURPRISE 0.2 // and to the budget
+#define FORESIGHT 0.8      // share of the time after a jump: occlusion is not known yet
+#define MOST_GROWN 2.0     // limit on what pixels are thought to grow with a list
+#define MAX_LATE 0.4       // logarithm: a larger difference means a different place
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {
@@ -518,6 +522,14 @@ static double try_finer(stp_budget* b, const stp_frame_cost* cost, double size)
     return b->trial_ms > 0.0 ? fmin(size, used * FASTEST_FINER) : size;
 }
 
+/// Share of the time that a forecast may take, so that most frames are in time.
+static double find_margin(const stp_budget* b)
+{
+    double scatter = b->scatter < MAX_SCATTER ? b->scatter : MAX_SCATTER;
+    double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
+    return fmin(margin, 1.0);
+}
+
 /// `cost` is without effects.
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
@@ -526,11 +538,12 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     update_trend(b, cost, terms);
     update_prices(b, terms, update_speed(b, cost->milliseconds, price_of(b, terms)));
     settle_speed(b);
-    update_exponents(b, cost);
+    if (!b->foreseen) { // else its counts are of another place, and partly guessed
+        update_exponents(b, cost);
+    }
+    b->foreseen = false;
     b->last = *cost;
-    double scatter = b->scatter < MAX_SCATTER ? b->scatter : MAX_SCATTER;
-    double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
-    margin = fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
+    double margin = find_margin(b) * exp(-fmax(b->trend, 0.0));
     b->times[b->frames % STP_BUDGET_RATIOS] = cost->milliseconds;
     b->frames += 1;
     double solved = leave_effects(b, margin);
@@ -540,6 +553,49 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     size = try_finer(b, cost, size);
     b->coarseness = clamp_size(size, b->coarsest);
     return_effect(b, margin);
+}
+
+/// Time of the counts that a list has: splats, triangles and draws.
+static double price_list(const stp_budget* b, const stp_frame_cost* cost)
+{
+    double terms[STP_BUDGET_TERMS];
+    list_terms(cost, terms);
+    terms[1] = terms[4] = 0.0;
+    return b->speed * price_of(b, terms);
+}
+
+stp_work_limit stp_budget_limit(const stp_budget* b)
+{
+    if (b->controller != STP_CONTROLLER_PREDICT || b->frames == 0 ||
+        (double)b->coarseness >= b->coarsest) {
+        return (stp_work_limit){0};
+    }
+    double expected = stp_budget_predict(b, (double)b->coarseness);
+    double wanted = fmax(expected, time_for_detail(b)), listed = price_list(b, &b->last);
+    double most = SURPRISE * wanted * listed / expected; // pixels grow with the list
+    return (stp_work_limit){
+        .splat = b->speed * b->price[0] * units[0],
+        .triangle = b->speed * b->price[2] * units[2],
+        .item = b->speed * b->price[3] * units[3],
+        .most = fmax(most, LEAST_SURPRISE * b->budget_ms),
+    };
+}
+
+void stp_budget_foresee(stp_budget* b, const stp_frame_cost* listed)
+{
+    assert(b->frames > 0 && "a frame was within the limit");
+    double before = price_list(b, &b->last), now = price_list(b, listed);
+    double grown = before > 0.0 ? stp_clampd(now / before, 1.0, MOST_GROWN) : MOST_GROWN;
+    b->last.splats = listed->splats;
+    b->last.triangles = listed->triangles;
+    b->last.draw_calls = listed->draw_calls;
+    b->last.fragments = (uint64_t)(grown * (double)b->last.fragments);
+    b->last.covered_pixels = (uint64_t)(grown * (double)b->last.covered_pixels);
+    b->last.splat_size = (float)stp_coarseness_of(listed);
+    b->last.resolution = listed->resolution;
+    b->foreseen = true;
+    double solved = solve_size(b, FORESIGHT * find_margin(b) * time_for_detail(b));
+    b->coarseness = clamp_size(fmax((double)b->coarseness, solved), b->coarsest);
 }
 
 void stp_budget_update(stp_budget* b, const stp_frame_cost* cost)

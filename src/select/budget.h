@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/math/math.h"
+#include "select/select.h"
 
 typedef enum stp_controller {
     STP_CONTROLLER_PREDICT,
@@ -102,6 +103,7 @@ typedef struct stp_budget {
     uint32_t calm_frames; ///< in a row that would have had time for the effect that returns next
     uint64_t returned;    ///< frame after which an effect returned last
     uint32_t patience;    ///< how often effects left soon after they had returned
+    bool foreseen;        ///< `last` has counts of the next frame's list
 } stp_budget;
 
 /// `budget_ms` above 0.
@@ -128,6 +130,16 @@ bool stp_budget_has_decided(const stp_budget* budget);
 /// Call after each frame. Ignores a frame whose time or splat size is not positive, or whose time
 /// is 10^9 ms or more.
 void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
+
+/// What the next frame may have to draw: more than that means another place than the last frame's,
+/// as after a jump of the camera, so it is better not drawn before stp_budget_foresee. No limit if
+/// nothing is coarser.
+stp_work_limit stp_budget_limit(const stp_budget* budget);
+
+/// Chooses the splat size and resolution of the next frame anew, from the counts of its list, which
+/// exceeded the limit: `listed` has splats, triangles, draw calls, and the size and resolution of
+/// this list. Call before the frame is drawn again, and stp_budget_update after it.
+void stp_budget_foresee(stp_budget* budget, const stp_frame_cost* listed);
 
 /// Predicted time of a frame like the last one at another size of splats (stp_budget.coarseness),
 /// without effects, in milliseconds. 0 before the first frame.

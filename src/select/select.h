@@ -39,6 +39,12 @@ enum {
     STP_CUES_PAPER = 31, ///< Table 1 as it is printed
 };
 
+/// Bound on what a frame may have to draw. All zero: none.
+typedef struct stp_work_limit {
+    double splat, triangle, item; ///< work of each that is listed
+    double most;                  ///< a list of more work is not drawn (stp_draw_stats.exceeds)
+} stp_work_limit;
+
 typedef struct stp_quality {
     float splat_size; ///< pixels, at least 1; default 1
     /// Exact total number of splats instead, or all if there are fewer; an upper limit for `spt`.
@@ -67,10 +73,11 @@ typedef struct stp_quality {
     /// NULL: everything is shown. Must be of the same store, and must not change while the list is
     /// in use.
     const stp_visibility* visibility;
+    stp_work_limit limit; ///< of the list for all eyes; decides nothing but whether it is drawn
 } stp_quality;
 
 /// Whether two qualities select the same from the same view, if the same is hidden: occlusion and
-/// visibility are not compared.
+/// visibility are not compared, nor limits.
 bool stp_quality_is_same(const stp_quality* a, const stp_quality* b);
 
 typedef enum stp_draw_kind { STP_DRAW_SPLATS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;

@@ -185,3 +185,40 @@ void test_draw_selected_is_the_whole_picture(test_state* test)
     }
     CHECK(hidden > 40 && repaired > 3); // otherwise the test proves nothing
 }
+
+// A list beyond the limit is not drawn, at any resolution; the next frame is as if it had not been.
+void test_draw_selected_refuses_long_lists(test_state* test)
+{
+    static fixture f;
+    f = (fixture){0};
+    CHECK(set_up(&f, 3));
+    stp_quality quality = {.splat_size = 2.0f};
+    stp_draw_style style = {.splat_scale = 1.0f};
+    stp_image image = {WIDTH, HEIGHT, f.pixels};
+    stp_draw_stats stats, again;
+    stp_view view = view_at(3, 0.0);
+    for (int lower = 0; lower < 2; ++lower) {
+        style.resolution = lower != 0 ? 0.5f : 0.0f;
+        quality.limit = (stp_work_limit){0};
+        CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style, &f.list,
+                                                       &image, &stats));
+        CHECK(!stats.exceeds);
+        uint64_t all = stats.listed_splats + stats.listed_triangles + stats.draw_calls;
+        memcpy(f.expected, f.pixels, sizeof(f.pixels));
+        quality.limit = (stp_work_limit){1.0, 1.0, 1.0, 1.0};
+        memset(f.pixels, 7, sizeof(f.pixels));
+        CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style, &f.list,
+                                                       &image, &again));
+        CHECK(again.exceeds && again.fragments == 0 && again.splats == 0);
+        CHECK(again.listed_splats + again.listed_triangles > 0 && again.draw_calls > 0);
+        for (size_t i = 0; i < sizeof(f.pixels); ++i) {
+            CHECK(f.pixels[i] == 7);
+        }
+        quality.limit.most = 2.0 * (double)all;
+        CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style, &f.list,
+                                                       &image, &again));
+        CHECK(!again.exceeds);
+        CHECK_EQUAL(0, memcmp(f.expected, f.pixels, sizeof(f.pixels)));
+    }
+    tear_down(&f);
+}

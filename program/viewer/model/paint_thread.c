@@ -149,6 +149,34 @@ static void abandon_refinement(painter* p)
     }
 }
 
+/// Draws one frame with the size and style of its stage. A moving frame whose list is too long is
+/// not drawn before it is coarser. @return as draw
+static bool draw_stage(painter* p, paint_request* request, float* size, uint32_t* texture,
+                       paint_figures* figures)
+{
+    const refinement* now = &p->refinement;
+    const stp_draw_style whole = request->style;
+    bool limited = request->budget_ms > 0.0 && now->stage == STAGE_MOVES && !p->uses_gl;
+    bool accumulates = now->stage == STAGE_ACCUMULATES, drawn;
+    double refused_ms = 0.0;
+    request->quality.limit = limited ? stp_budget_limit(budget_of(p)) : (stp_work_limit){0};
+    for (;;) {
+        *size = refinement_size(now, request, budget_of(p));
+        request->style = whole;
+        request->style = refinement_style(now, request, budget_of(p), p->scene->transparent);
+        drawn = draw(p, request, *size, accumulates, texture, figures);
+        if (!drawn || !figures->exceeds) {
+            break;
+        }
+        stp_budget_foresee(budget_of(p), &figures->cost);
+        refused_ms += figures->frame_ms;
+        request->quality.limit = (stp_work_limit){0};
+    }
+    figures->frame_ms += refused_ms;
+    figures->cost.milliseconds += refused_ms;
+    return drawn;
+}
+
 /// Draws one frame without the mutex and makes it the ready picture. The mutex is held on entry and
 /// exit.
 static void paint(painter* p)
@@ -165,18 +193,18 @@ static void paint(painter* p)
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     update_budget(p, &request, NULL);
-    bool accumulates = next->stage == STAGE_ACCUMULATES;
-    float size = refinement_size(next, &request, budget_of(p));
+    float size = 1.0f;
     uint32_t texture = 0;
     const stp_draw_style whole = request.style;
-    request.style = refinement_style(next, &request, budget_of(p), p->scene->transparent);
+    bool drawn = ready && draw_stage(p, &request, &size, &texture, &figures);
     next->left_out = !stp_draw_style_is_same(&whole, &request.style);
-    bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
     if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",
                p);
         p->uses_gl = false;
-        drawn = draw(p, &request, size, accumulates, &texture, &figures);
+        request.style = whole;
+        drawn = draw_stage(p, &request, &size, &texture, &figures);
+        next->left_out = !stp_draw_style_is_same(&whole, &request.style);
     }
     if (drawn) {
         next->size = size / stp_draw_resolution(&request.style); // in pixels of the whole picture

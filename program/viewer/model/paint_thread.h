@@ -52,6 +52,7 @@ typedef struct paint_figures {
     uint32_t layers;     ///< of transparent surfaces, at most in a pixel
     uint32_t samples;    ///< accumulated frames; 1: none were accumulated
     uint32_t missing;    ///< things wanted but not loaded, or not drawn yet
+    bool exceeds;        ///< it was not drawn (stp_draw_stats.exceeds)
 } paint_figures;
 
 typedef struct painter_picture {

@@ -177,6 +177,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
                                .triangles = stats.triangles,
                                .nodes = s->list.node_count,
                                .layers = stats.layers,
+                               .exceeds = stats.exceeds,
                                .samples = accumulates ? stats.samples : 1};
     if (s->residency != NULL && result == STP_OK) {
         stp_residency_stats before, loaded;

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// Jumps of the camera: a budget looks at the next frame's list before it is drawn.
+#include "tests.h"
+
+#include "select/budget.h"
+
+#include <math.h>
+
+#define BUDGET_MS 33.0
+
+/// A frame at a place with so many million triangles at a size of 4 pixels, in a picture of a
+/// million pixels of which a part is covered. Larger splats save a part of the triangles.
+static stp_frame_cost run_place(double millions, double covered, float size, float resolution)
+{
+    double area = (double)resolution * (double)resolution;
+    double triangles = millions * pow(4.0 / (double)size, 0.6) * (double)resolution;
+    double fragments = 4.0 * covered * area, pixels = covered * area;
+    return (stp_frame_cost){
+        .milliseconds = 1.0 + 6.0 * triangles + 1.5 * fragments + 6.0 * pixels,
+        .triangles = (uint64_t)(1e6 * triangles),
+        .fragments = (uint64_t)(1e6 * fragments),
+        .covered_pixels = (uint64_t)(1e6 * pixels),
+        .draw_calls = (uint32_t)(1000.0 * triangles),
+        .splat_size = size,
+        .resolution = resolution,
+    };
+}
+
+static double work_of(const stp_work_limit* limit, const stp_frame_cost* cost)
+{
+    return limit->splat * (double)cost->splats + limit->triangle * (double)cost->triangles +
+           limit->item * (double)cost->draw_calls;
+}
+
+typedef struct outcome {
+    int late, refused;
+    double worst; ///< over the budget
+} outcome;
+
+/// 40 stays of 12 frames at places in turn, the second of each pair of places being heavier.
+static outcome fly(double heavier, bool looks)
+{
+    stp_budget budget;
+    outcome out = {0};
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, BUDGET_MS);
+    stp_budget_lower_resolution(&budget);
+    for (int frame = 0; frame < 40 * 12; ++frame) {
+        bool heavy = frame / 12 % 2 == 1;
+        double millions = heavy ? 1.5 * heavier : 1.5, covered = heavy ? 0.8 : 0.4;
+        stp_work_limit limit = stp_budget_limit(&budget);
+        stp_frame_cost cost = run_place(millions, covered, stp_budget_splat_size(&budget),
+                                        stp_budget_resolution(&budget));
+        if (looks && limit.most > 0.0 && work_of(&limit, &cost) > limit.most) {
+            stp_frame_cost listed = cost;
+            listed.fragments = listed.covered_pixels = 0;
+            listed.milliseconds = 1.0;
+            stp_budget_foresee(&budget, &listed);
+            cost = run_place(millions, covered, stp_budget_splat_size(&budget),
+                             stp_budget_resolution(&budget));
+            cost.milliseconds += listed.milliseconds;
+            out.refused += 1;
+        }
+        double over = cost.milliseconds / BUDGET_MS;
+        if (frame >= 12) { // the first place is new in any case
+            out.late += over > 1.15;
+            out.worst = fmax(out.worst, over);
+        }
+        stp_budget_update(&budget, &cost);
+    }
+    return out;
+}
+
+void test_budget_foresees_jumps(test_state* test)
+{
+    const double heavier[] = {1.6, 2.5, 4.0};
+    for (int i = 0; i < 3; ++i) {
+        outcome with = fly(heavier[i], true), without = fly(heavier[i], false);
+        CHECK(without.late >= 20 && without.worst > 1.3); // at each jump to a heavier place
+        CHECK(with.late == 0 && with.worst < 1.2);
+        CHECK_EQUAL(20, with.refused); // nothing but jumps
+    }
+}
+
+void test_budget_refuses_nothing_without_jumps(test_state* test)
+{
+    CHECK_EQUAL(0, fly(1.0, true).refused);
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, BUDGET_MS);
+    CHECK(stp_budget_limit(&budget).most == 0.0); // nothing is known
+    stp_frame_cost cost = run_place(1.5, 0.8, stp_budget_splat_size(&budget), 1.0f);
+    stp_budget_update(&budget, &cost);
+    CHECK(stp_budget_limit(&budget).most > 0.0);
+    budget.coarseness = STP_SPLAT_SIZE_COARSEST;
+    CHECK(stp_budget_limit(&budget).most == 0.0); // nothing is coarser
+    stp_budget_lower_resolution(&budget);
+    CHECK(stp_budget_limit(&budget).most > 0.0);
+    stp_budget_init(&budget, STP_CONTROLLER_PAPER, BUDGET_MS);
+    cost = run_place(1.0, 0.8, 1.0f, 1.0f);
+    stp_budget_update(&budget, &cost);
+    CHECK(stp_budget_limit(&budget).most == 0.0);
+}
+
+// A list that is only surprising never makes splats finer, and an empty frame before it divides by
+// nothing.
+void test_budget_foresight_is_never_finer(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, BUDGET_MS);
+    stp_frame_cost nothing = {.milliseconds = 0.5, .splat_size = 1.0f, .resolution = 1.0f};
+    stp_budget_update(&budget, &nothing);
+    stp_work_limit limit = stp_budget_limit(&budget);
+    CHECK(limit.most > 0.0 && limit.most <= 2.0 * BUDGET_MS && limit.triangle > 0.0);
+    for (int i = 0; i < 12; ++i) {
+        float before = stp_budget_splat_size(&budget);
+        stp_frame_cost listed = run_place(pow(2.0, (double)(i - 6)), 0.0, before, 1.0f);
+        stp_budget_foresee(&budget, &listed);
+        CHECK(stp_budget_splat_size(&budget) >= before);
+    }
+    CHECK(stp_budget_splat_size(&budget) > 4.0f);
+}
