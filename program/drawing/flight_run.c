@@ -87,7 +87,7 @@ static stp_result draw_in_time(frame_maker* maker, const stp_view* view, stp_qua
                                const stp_draw_style* whole, stp_budget* budget, stp_image* image,
                                frame_figures* figures)
 {
-    double refused_ms = 0.0;
+    double refused_ms = 0.0; // spent on selection
     quality->limit = stp_budget_limit(budget);
     stp_result result;
     for (;;) {
@@ -103,6 +103,7 @@ static stp_result draw_in_time(frame_maker* maker, const stp_view* view, stp_qua
         quality->limit = (stp_work_limit){0};
     }
     figures->cost.milliseconds += refused_ms;
+    figures->select_ms += refused_ms;
     return result;
 }
 

@@ -22,6 +22,7 @@ typedef struct picture {
     stp_image* image;
     bool accumulates, complete;
     double frame_ms;
+    double refused_ms; ///< before it: selection of a list that was too long
     stp_draw_stats stats;
     uint32_t missing, coming;
 } picture;
@@ -140,6 +141,7 @@ static void update_budget(stp_painter* painter, const picture* p)
     } else {
         stp_frame_cost cost =
             stp_draw_frame_cost(&p->style, &p->stats, painter->list.splat_size, p->frame_ms);
+        cost.milliseconds += p->refused_ms;
         stp_budget_update(&painter->budget, &cost);
     }
 }
@@ -220,8 +222,8 @@ static stp_result draw_complete(picture* p)
 static void report_picture(const picture* p, stp_paint_report* report)
 {
     float resolution = stp_draw_resolution(&p->style);
-    stp_paint_report made = {.frame_ms = p->frame_ms,
-                             .select_ms = p->stats.select_ms,
+    stp_paint_report made = {.frame_ms = p->frame_ms + p->refused_ms,
+                             .select_ms = p->stats.select_ms + p->refused_ms,
                              .draw_ms = p->stats.draw_ms,
                              .shade_ms = p->stats.shade_ms,
                              .splat_size = p->painter->list.splat_size / resolution,
@@ -297,7 +299,6 @@ static stp_result draw_in_time(picture* p, size_t stride)
     stp_budget* budget = &painter->budget;
     const stp_draw_style whole = p->style;
     const float minimum = p->quality.splat_size;
-    double refused_ms = 0.0;
     p->quality.limit = p->complete ? (stp_work_limit){0} : stp_budget_limit(budget);
     stp_result result;
     for (;;) {
@@ -312,10 +313,9 @@ static stp_result draw_in_time(picture* p, size_t stride)
         stp_frame_cost listed =
             stp_draw_frame_cost(&p->style, &p->stats, painter->list.splat_size, p->frame_ms);
         stp_budget_foresee(budget, &listed);
-        refused_ms += p->frame_ms;
+        p->refused_ms = p->frame_ms;
         p->quality.limit = (stp_work_limit){0};
     }
-    p->frame_ms += refused_ms;
     return result;
 }
 

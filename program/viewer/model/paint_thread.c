@@ -158,7 +158,7 @@ static bool draw_stage(painter* p, paint_request* request, float* size, uint32_t
     const stp_draw_style whole = request->style;
     bool limited = request->budget_ms > 0.0 && now->stage == STAGE_MOVES && !p->uses_gl;
     bool accumulates = now->stage == STAGE_ACCUMULATES, drawn;
-    double refused_ms = 0.0;
+    double refused_ms = 0.0; // spent on selection
     request->quality.limit = limited ? stp_budget_limit(budget_of(p)) : (stp_work_limit){0};
     for (;;) {
         *size = refinement_size(now, request, budget_of(p));
@@ -173,6 +173,7 @@ static bool draw_stage(painter* p, paint_request* request, float* size, uint32_t
         request->quality.limit = (stp_work_limit){0};
     }
     figures->frame_ms += refused_ms;
+    figures->select_ms += refused_ms;
     figures->cost.milliseconds += refused_ms;
     return drawn;
 }

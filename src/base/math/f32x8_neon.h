@@ -5,6 +5,7 @@
 #include <arm_neon.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef struct f32x8 {
     float32x4_t low, high;
@@ -110,8 +111,9 @@ static inline void f32x8_load_triples(const float* from, f32x8* x, f32x8* y, f32
 /// The reverse of f32x8_load_triples.
 static inline void f32x8_store_triples(float* to, f32x8 x, f32x8 y, f32x8 z)
 {
-    vst3q_f32(to, (float32x4x3_t){{x.low, y.low, z.low}});
-    vst3q_f32(to + 12, (float32x4x3_t){{x.high, y.high, z.high}});
+    const float32x4x3_t low = {{x.low, y.low, z.low}}, high = {{x.high, y.high, z.high}};
+    vst3q_f32(to, low);
+    vst3q_f32(to + 12, high);
 }
 
 /// Bytes of 16: each byte of `places` names one, 0..15.
@@ -132,11 +134,14 @@ static inline i32x8 i32x8_repeat_first(i32x8 a)
 /// Words 2 index + `word` of an array of pairs; where the mask is not set, 0, and no memory is read.
 static inline i32x8 i32x8_gather_pairs(const void* pairs, int word, i32x8 index, i32x8 mask)
 {
-    int32_t at[8], there[8], found[8];
+    const char* bytes = pairs;
+    int32_t at[8], there[8], found[8] = {0};
     i32x8_store(at, index);
     i32x8_store(there, mask);
     for (int k = 0; k < 8; ++k) {
-        found[k] = there[k] != 0 ? ((const int32_t*)pairs)[2 * (int64_t)at[k] + word] : 0;
+        if (there[k] != 0) {
+            memcpy(&found[k], bytes + 4 * (2 * (int64_t)at[k] + word), sizeof(found[k]));
+        }
     }
     return i32x8_load(found);
 }
