@@ -7,12 +7,9 @@
 #include <math.h>
 #include <stdint.h>
 
-enum { WIDE = 8 };
-
 typedef struct eight {
     float lane[8];
 } eight;
-typedef eight wide;
 
 #define EACH_LANE for (int i_ = 0; i_ < 8; ++i_)
 
@@ -108,17 +105,5 @@ static inline float eight_lowest(eight a)
 }
 
 #undef EACH_LANE
-#define wide_load eight_load
-#define wide_store eight_store
-#define wide_set eight_set
-#define wide_add eight_add
-#define wide_sub eight_sub
-#define wide_mul eight_mul
-#define wide_min eight_min
-#define wide_max eight_max
-#define wide_root eight_root
-#define wide_less eight_less
-#define wide_equal eight_equal
-#define wide_blend eight_blend
-#define wide_highest eight_highest
-#define wide_lowest eight_lowest
+
+#include "order/vector_eight.h" // IWYU pragma: export

@@ -94,6 +94,8 @@ static inline lanes_int lanes_round(lanes_float a)
     return (lanes_int)_mm256_cvtps_epi32((__m256)a);
 }
 
+#include "raster/triangles_narrow.h"
+
 static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
 {
     const __m256i far = (__m256i)~nearness;
@@ -106,18 +108,7 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
         stp_pixels_write_four(pixels + 4, i32x8_high(far), ids);
         bits &= 15;
     }
-    for (; bits != 0; bits &= bits - 1) {
-        int lane = __builtin_ctz(bits);
-        uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
-        pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
-    }
-}
-
-static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
-                                      lanes_int nearness, uint32_t id)
-{
-    (void)stride; // only one row fits
-    lanes_write(pixels, bits, nearness, id);
+    lanes_write_each(pixels, bits, nearness, id);
 }
 
 #include "raster/triangles_lanes.h"

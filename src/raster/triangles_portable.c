@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Triangle kernels with vectors of four numbers in compiler notation: SSE2, NEON, or others
 // that the CPU has.
+#include "raster/triangles_four.h"
 #include "raster/triangles_internal.h"
-
-#define LANES 4
-#define LANES_ALL 0xFu
-
-typedef int32_t lanes_int __attribute__((vector_size(16)));
-typedef uint32_t lanes_uint __attribute__((vector_size(16)));
-typedef float lanes_float __attribute__((vector_size(16)));
-// half as many doubles
-typedef double lanes_real __attribute__((vector_size(16)));
-typedef int64_t lanes_long __attribute__((vector_size(16)));
-
-static inline lanes_int lanes_index(void)
-{
-    return (lanes_int){0, 1, 2, 3};
-}
+#include "raster/triangles_narrow.h"
 
 /// Deinterleaves three vectors: a b c a b c ...
 static inline void lanes_load3(const void* source, lanes_int out[3])
@@ -26,21 +13,6 @@ static inline void lanes_load3(const void* source, lanes_int out[3])
     for (int k = 0; k < 3; ++k) {
         out[k] = (lanes_int){words[k], words[k + 3], words[k + 6], words[k + 9]};
     }
-}
-
-static inline lanes_int lanes_gather(const int32_t* base, lanes_int i)
-{
-    return (lanes_int){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
-}
-
-static inline lanes_int lanes_select(lanes_int mask, lanes_int a, lanes_int b)
-{
-    return (mask & a) | (~mask & b);
-}
-
-static inline lanes_float lanes_select_float(lanes_int mask, lanes_float a, lanes_float b)
-{
-    return (lanes_float)lanes_select(mask, (lanes_int)a, (lanes_int)b);
 }
 
 static inline lanes_int lanes_min(lanes_int a, lanes_int b)
@@ -53,26 +25,10 @@ static inline lanes_int lanes_max(lanes_int a, lanes_int b)
     return lanes_select(a > b, a, b);
 }
 
-/// a where it is less than b, else b.
-static inline lanes_float lanes_min_float(lanes_float a, lanes_float b)
-{
-    return lanes_select_float(a < b, a, b);
-}
-
-static inline lanes_float lanes_max_float(lanes_float a, lanes_float b)
-{
-    return lanes_select_float(a > b, a, b);
-}
-
 static inline uint32_t lanes_sign_bits(lanes_int a)
 {
     lanes_uint bits = (lanes_uint)a >> 31;
     return bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3;
-}
-
-static inline uint32_t lanes_long_bits(lanes_long a)
-{
-    return (uint32_t)((uint64_t)a[0] >> 63 | (uint64_t)a[1] >> 63 << 1);
 }
 
 /// Rounds doubles to float: first `low`, then `high`.
@@ -92,18 +48,7 @@ static inline lanes_int lanes_round(lanes_float a)
 
 static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
 {
-    for (; bits != 0; bits &= bits - 1) {
-        int lane = __builtin_ctz(bits);
-        uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
-        pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
-    }
-}
-
-static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
-                                      lanes_int nearness, uint32_t id)
-{
-    (void)stride; // only one row fits
-    lanes_write(pixels, bits, nearness, id);
+    lanes_write_each(pixels, bits, nearness, id);
 }
 
 #include "raster/triangles_lanes.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Eight floats (f32x8) or integers (i32x8) at a time: kernels that are written once, for AVX2 and
-// for NEON. Only for files *_vector.c. Each operation is one IEEE or two's complement operation for
-// each lane, so both give the bits of plain C. A mask is an i32x8 of lanes 0 and -1.
+// for NEON. Only for files compiled for one of them. Each operation is one IEEE or two's complement
+// operation for each lane, so both give the bits of plain C. A mask is an i32x8 of lanes 0 and -1.
 #pragma once
 
 #if defined(__AVX2__)
