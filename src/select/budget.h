@@ -19,7 +19,7 @@ typedef enum stp_controller {
 #define STP_SPLAT_SIZE_COARSEST 24.0f
 /// Least share of the picture's width and height that a budget draws, in steps of 1/16; splats then
 /// keep their size in the whole picture
-#define STP_RESOLUTION_MIN 0.5
+#define STP_RESOLUTION_MIN 0.25
 
 /// Effects of a frame that a budget leaves out before splats grow, in the order in which it does
 /// so.

@@ -398,7 +398,7 @@ void test_embed_checks_options(test_state* test)
     CHECK(fault == NULL);
 }
 
-/// Draws without a budget at half the resolution, with splats of half the size, and enlarges.
+/// Draws without a budget at the least resolution, with smaller splats, and enlarges.
 static stp_result draw_enlarged(stp_model* model, stp_paint_desc desc, uint8_t* pixels)
 {
     static uint8_t small_pixels[PIXELS];
@@ -406,9 +406,9 @@ static stp_result draw_enlarged(stp_model* model, stp_paint_desc desc, uint8_t* 
     stp_painter* painter = NULL;
     stp_context* context = test_context(NULL, 1, NULL);
     stp_enlargement e = {0};
-    view.width = view.height = EMBED_SIDE / 2;
-    desc.splat_size *= 0.5f;
-    stp_image small = {EMBED_SIDE / 2, EMBED_SIDE / 2, small_pixels};
+    view.width = view.height = EMBED_SIDE / 4;
+    desc.splat_size *= 0.25f;
+    stp_image small = {EMBED_SIDE / 4, EMBED_SIDE / 4, small_pixels};
     stp_image image = {EMBED_SIDE, EMBED_SIDE, pixels};
     stp_result result = stp_painter_create(model, NULL, &painter);
     result = result == STP_OK ? stp_painter_draw(painter, &view, &desc, &small, NULL) : result;
@@ -419,7 +419,7 @@ static stp_result draw_enlarged(stp_model* model, stp_paint_desc desc, uint8_t* 
     return result;
 }
 
-// A budget that nothing meets leaves effects out, then half the resolution.
+// A budget that nothing meets leaves effects out, then three quarters of rows and columns.
 void test_embed_budget_leaves_effects_out(test_state* test)
 {
     static uint8_t plain[PIXELS], dark[PIXELS], budgeted[PIXELS], resting[PIXELS];
@@ -440,7 +440,7 @@ void test_embed_budget_leaves_effects_out(test_state* test)
         CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, &report));
     }
     CHECK_EQUAL(1, report.samples);
-    CHECK(report.resolution == 0.5f && fabsf(report.splat_size - 24.0f) < 1e-3f);
+    CHECK(report.resolution == 0.25f && fabsf(report.splat_size - 24.0f) < 1e-3f);
     budget.accumulate = true;
     stp_image image = {.width = EMBED_SIDE, .height = EMBED_SIDE, .pixels = resting};
     CHECK_EQUAL(STP_OK, stp_painter_draw(painter, &view, &budget, &image, &report));
