@@ -114,3 +114,48 @@ void test_gl_clusters_of_many_items(test_state* test)
     made_gl_end(&m);
     made_mesh_destroy(&wave);
 }
+
+/// A mesh of columns that takes more than two batches of words.
+static void add_large(made_picture* p)
+{
+    enum { LARGE_SIDE = 300 };
+    made_scene* s = &p->scene;
+    if (!made_mesh_create(MADE_WAVE, LARGE_SIDE, MADE_NORMALS, &wave)) {
+        return;
+    }
+    stp_store_mesh mesh = made_mesh_view(&wave);
+    stp_box box = stp_box_of(wave.positions, wave.vertex_count);
+    mesh.bounds = box;
+    made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, NULL);
+    s->meshes[0] = mesh;
+    s->nodes[0].triangle_count = mesh.triangle_count;
+    s->nodes[0].bounds = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+    double size = (double)(box.max.x - box.min.x);
+    p->view.target = stp_scaled(stp_addd(s->nodes[0].bounds.min, s->nodes[0].bounds.max), 0.5);
+    p->view.eye = p->view.target;
+    p->view.eye.z += 0.5 * size;
+}
+
+void test_gl_meshes_larger_than_a_batch_are_whole(test_state* test)
+{
+    made_gl m;
+    bool failed;
+    wave = (made_mesh){0};
+    if (!made_gl_begin_with(&m, add_large, NULL, NULL, &failed)) {
+        made_gl_end(&m);
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
+        return;
+    }
+    m.picture.quality.splat_size = 0;
+    CHECK_EQUAL(STP_OK, made_picture_draw(&m.picture));
+    uint64_t covered = m.picture.stats.covered_pixels;
+    CHECK(covered > PICTURE_SIDE * PICTURE_SIDE / 4);
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK(stp_draw_gl_get_stats(m.renderer).uploaded_bytes > 8 * (uint64_t)POOL_PART_WORDS);
+    CHECK(m.picture.stats.covered_pixels + 8 >= covered);
+    CHECK(m.picture.stats.covered_pixels <= covered + 8);
+    CHECK(made_count_different(m.pixels, m.picture.pixels, 6) <= PICTURE_SIDE * PICTURE_SIDE / 50);
+    made_gl_end(&m);
+    made_mesh_destroy(&wave);
+}

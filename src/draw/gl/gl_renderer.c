@@ -47,6 +47,7 @@ static void destroy(stp_renderer* renderer)
         stp_gl_cap_pass_destroy(r);
         stp_gl_layer_pass_destroy(r);
         stp_gl_pool_destroy(&r->pool);
+        stp_gl_conversions_destroy(r->base.context, &r->conversions);
         const GLuint buffers[] = {r->light_materials, r->materials};
         r->gl.DeleteBuffers(2, buffers);
         if (r->debug != NULL) {
@@ -439,7 +440,7 @@ stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
     const stp_gl_renderer* r = (const stp_gl_renderer*)renderer;
     return (stp_draw_gl_stats){.memory_bytes = r->pool.limit_words * sizeof(uint32_t),
                                .resident_bytes = r->pool.spans.used * sizeof(uint32_t),
-                               .uploaded_bytes = r->pool.uploaded_bytes,
+                               .uploaded_bytes = r->frame.uploaded_bytes,
                                .missing = r->frame.missing,
                                .coming = r->frame.coming,
                                .draw_calls = r->draw_calls,

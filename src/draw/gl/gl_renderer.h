@@ -15,6 +15,7 @@
 
 #include "draw/facing.h"
 #include "draw/gl/cluster_shares.h"
+#include "draw/gl/conversions.h"
 #include "draw/gl/gl.h"
 #include "draw/gl/gl_passes.h"
 #include "draw/gl/gl_program.h"
@@ -114,11 +115,12 @@ typedef struct stp_gl_frame {
     GLuint buffer;
     uint64_t buffer_size;
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
-    GLintptr groups_offset; ///< first group of each splat command, for the compute rasteriser
-    uint64_t group_count;   ///< groups of all splat commands
-    uint32_t missing;       ///< items coarser than the list wants, for all eyes
-    uint32_t coming;        ///< uploads postponed to later frames
-    bool beside;            ///< large triangles of the previous set are drawn
+    GLintptr groups_offset;  ///< first group of each splat command, for the compute rasteriser
+    uint64_t group_count;    ///< groups of all splat commands
+    uint32_t missing;        ///< items coarser than the list wants, for all eyes
+    uint32_t coming;         ///< uploads postponed to later frames
+    uint64_t uploaded_bytes; ///< for all eyes
+    bool beside;             ///< large triangles of the previous set are drawn
     uint64_t large_count;
     uint64_t drawn_triangles; ///< of clusters in view, and all large ones; of all eyes
     stp_gl_cluster_shares shares;
@@ -187,6 +189,7 @@ struct stp_gl_renderer {
     uint64_t upload_bytes; ///< per frame; 0: all
     stp_gl_debug* debug;
     stp_gl_pool pool;
+    stp_gl_conversions conversions; ///< uploads on their way to the pool
     stp_gl_entries entries;
     uint32_t program_pages; ///< page count of the programs; 0: no programs yet
     bool program_squares;   ///< programs draw splats as squares

@@ -376,7 +376,7 @@ stp_result stp_gl_frame_make(stp_gl_renderer* r)
     f->drawn_triangles = r->eye == 0 ? 0 : f->drawn_triangles; // of all eyes
     if (r->eye == 0) { // for the picture, not only its last eye
         f->missing = f->coming = 0;
-        r->pool.uploaded_bytes = 0;
+        f->uploaded_bytes = 0;
     }
     r->failure = STP_ERROR_UNSUPPORTED;
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
@@ -390,7 +390,12 @@ stp_result stp_gl_frame_make(stp_gl_renderer* r)
         f->item_count = i + 1;
     }
     assert((result != STP_OK || f->item_count == count) && "items have the numbers of the list's");
-    return result == STP_OK ? make_lookup(r) : result;
+    result = result == STP_OK ? stp_gl_conversions_send(&r->conversions, &r->pool) : result;
+    if (result != STP_OK) {
+        stp_gl_conversions_drop(&r->conversions, &r->pool);
+        return result;
+    }
+    return make_lookup(r);
 }
 
 void stp_gl_frame_destroy(stp_gl_renderer* r)

@@ -221,13 +221,12 @@ bool stp_gl_pool_write(stp_gl_pool* pool, uint64_t words, stp_gl_ring_part* part
     return stp_gl_ring_take(pool->gl, &pool->ring, words * WORD, part);
 }
 
-void stp_gl_pool_send(stp_gl_pool* pool, const stp_gl_ring_part* part, uint32_t address,
-                      uint64_t words)
+void stp_gl_pool_copy(stp_gl_pool* pool, const stp_gl_ring_part* part, uint32_t offset,
+                      uint32_t address, uint64_t words)
 {
     uint32_t place = address & ((1u << pool->page_shift) - 1);
-    assert(words > 0 && words <= POOL_PART_WORDS && address != POOL_NONE);
+    assert(words > 0 && offset + words <= POOL_PART_WORDS && address != POOL_NONE);
     pool->gl->CopyNamedBufferSubData(pool->ring.buffer, pool->pages[address >> pool->page_shift],
-                                     part->offset, (GLintptr)place * WORD,
+                                     part->offset + (GLintptr)offset * WORD, (GLintptr)place * WORD,
                                      (GLsizeiptr)(words * WORD));
-    pool->uploaded_bytes += words * WORD;
 }

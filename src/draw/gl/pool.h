@@ -36,8 +36,7 @@ typedef struct stp_gl_pool {
     uint32_t first_used,
         last_used; ///< least and most recently used entries; POOL_NONE: none resident
     uint32_t frame;
-    stp_gl_ring ring;        ///< staging ring for uploads
-    uint64_t uploaded_bytes; ///< bytes sent since the renderer set it to 0
+    stp_gl_ring ring; ///< staging ring for uploads
 } stp_gl_pool;
 
 /// Creates no page yet. `scene_bytes`: estimate of everything that may be stored.
@@ -57,11 +56,12 @@ STP_MUST_USE bool stp_gl_pool_take(stp_gl_pool* pool, uint32_t entry, uint64_t w
 /// Removes a resident entry.
 void stp_gl_pool_drop(stp_gl_pool* pool, uint32_t entry);
 
-/// Returns space in the ring for up to POOL_PART_WORDS; follow with stp_gl_pool_send. @return false if
+/// Returns space in the ring for up to POOL_PART_WORDS; follow with stp_gl_pool_copy. @return false if
 /// the context is lost
 STP_MUST_USE bool stp_gl_pool_write(stp_gl_pool* pool, uint64_t words, stp_gl_ring_part* part);
-void stp_gl_pool_send(stp_gl_pool* pool, const stp_gl_ring_part* part, uint32_t address,
-                      uint64_t words);
+/// Copies words of a part, from its word `offset` on, to an address.
+void stp_gl_pool_copy(stp_gl_pool* pool, const stp_gl_ring_part* part, uint32_t offset,
+                      uint32_t address, uint64_t words);
 
 enum { POOL_PART_WORDS = 1 << 20 }; ///< maximum words of stp_gl_pool_write
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Items of the pool, and their uploads; includes splats and textures.
+// Items of the pool, and their uploads; includes splats and points.
 #include "draw/gl/upload.h"
 
 #include "base/core/context.h"
 #include "base/splats/coverage.h"
 #include "base/splats/light_normal.h"
 #include "base/splats/splat_codes.h"
-#include "raster/cutout.h"
 #include "store/bytes/columns.h"
 #include "store/file/point_attributes.h"
 
 #include <assert.h>
+#include <string.h>
 
 static uint32_t point_chunks(const stp_store_point_set* points)
 {
@@ -55,66 +55,38 @@ void stp_gl_entries_destroy(stp_gl_renderer* r)
     stp_free(r->base.context, r->entries.boxes);
 }
 
-stp_gl_writer stp_gl_writer_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words)
+stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent,
+                                  stp_gl_source** source)
 {
-    assert(stp_gl_pool_has(&r->pool, entry) && "room was taken first");
-    return (stp_gl_writer){.pool = &r->pool, .address = stp_gl_address(r, entry), .left = words};
-}
-
-static void send(stp_gl_writer* w)
-{
-    if (w->used > 0 && !w->failed) {
-        assert(w->used <= w->room && w->room <= w->left && "no more than announced");
-        stp_gl_pool_send(w->pool, &w->part, w->address, w->used);
-        w->address += w->used;
-        w->left -= w->used;
-        w->used = 0;
-    }
-}
-
-void stp_gl_writer_turn(stp_gl_writer* writer)
-{
-    assert(writer->failed || writer->used == writer->room);
-    send(writer);
-    uint64_t room = writer->left < POOL_PART_WORDS ? writer->left : POOL_PART_WORDS;
-    if (room == 0 || !stp_gl_pool_write(writer->pool, room, &writer->part)) {
-        writer->failed = true;
-        return;
-    }
-    writer->words = writer->part.memory;
-    writer->room = (uint32_t)room;
-}
-
-/// Sends the rest. @return false if the context is lost, or words are missing
-static bool end_writer(stp_gl_writer* writer)
-{
-    send(writer);
-    return !writer->failed && writer->left == 0;
-}
-
-stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
-{
+    const uint64_t bytes = words * sizeof(uint32_t);
     // at least one item is always uploaded
-    if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 &&
-        r->pool.uploaded_bytes + words * sizeof(uint32_t) > r->upload_bytes) {
+    if (!urgent && r->upload_bytes > 0 && r->frame.uploaded_bytes > 0 &&
+        r->frame.uploaded_bytes + bytes > r->upload_bytes) {
         r->frame.coming += 1;
         return GL_UPLOAD_LATER;
     }
-    return stp_gl_pool_take(&r->pool, entry, words) ? GL_UPLOAD_THERE : GL_UPLOAD_NO_ROOM;
+    if (!stp_gl_pool_take(&r->pool, entry, words)) {
+        return GL_UPLOAD_NO_ROOM;
+    }
+    *source = stp_gl_conversions_begin(&r->conversions, &r->pool, entry, words);
+    if (*source == NULL) {
+        return stp_gl_upload_end(r, entry, STP_ERROR_OUT_OF_MEMORY);
+    }
+    r->frame.uploaded_bytes += bytes;
+    return GL_UPLOAD_THERE;
 }
 
-stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_gl_writer* writer,
-                                bool good)
+stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_result result)
 {
-    bool written = end_writer(writer);
-    if (good && written) {
+    if (result == STP_OK) {
+        assert(r->conversions.left == 0 && "all announced words have a piece");
         return GL_UPLOAD_THERE;
     }
-    stp_gl_pool_drop(&r->pool, entry);
-    if (good) { // otherwise already logged
-        r->failure = stp_fail(r->base.context, STP_ERROR_UNSUPPORTED,
-                              "gl: the graphics context was lost while data was uploaded");
+    stp_gl_conversions_drop(&r->conversions, &r->pool);
+    if (stp_gl_pool_has(&r->pool, entry)) {
+        stp_gl_pool_drop(&r->pool, entry);
     }
+    r->failure = result;
     return GL_UPLOAD_FAILED;
 }
 
@@ -135,35 +107,45 @@ static stp_gl_octave_box bound_places(const stp_splats* splats, uint32_t begin, 
     return box;
 }
 
-static void write_places(const stp_splats* splats, uint32_t begin, uint32_t end, stp_gl_writer* w)
+static void write_places(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
 {
-    for (size_t i = begin; i < end; ++i) {
+    const stp_splats* splats = &source->of.octave.splats;
+    for (size_t i = piece->begin; i < piece->end; ++i) {
         const uint16_t* p = splats->positions + 3 * i;
         const uint8_t* n = (const uint8_t*)splats->normals + 2 * i;
-        stp_gl_write(w, (uint32_t)p[0] | (uint32_t)p[1] << 16);
-        stp_gl_write(w, (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24);
+        *words++ = (uint32_t)p[0] | (uint32_t)p[1] << 16;
+        *words++ = (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24;
     }
-    for (size_t i = begin; i < end; i += 4) {
+}
+
+/// Four splats to a word: the units.
+static void write_materials(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
+{
+    const stp_gl_octave_source* of = &source->of.octave;
+    const uint32_t* ends = of->splats.octave_ends;
+    size_t first = of->octave > 0 ? ends[of->octave - 1] : 0, end = ends[of->octave];
+    for (size_t unit = piece->begin; unit < piece->end; ++unit) {
         uint32_t word = 0;
-        for (size_t k = 0; k < 4 && i + k < end; ++k) {
-            word |= (uint32_t)splats->materials[i + k] << (8 * k);
+        for (size_t k = 0, i = first + 4 * unit; k < 4 && i + k < end; ++k) {
+            word |= (uint32_t)of->splats.materials[i + k] << (8 * k);
         }
-        stp_gl_write(w, word);
+        *words++ = word;
     }
 }
 
 /// Writes shape, range and errors of each splat, if the set has them.
-static void write_options(const stp_splats* splats, uint32_t begin, uint32_t end, stp_gl_writer* w)
+static void write_options(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
 {
-    for (size_t i = begin; i < end; ++i) {
+    const stp_splats* splats = &source->of.octave.splats;
+    for (size_t i = piece->begin; i < piece->end; ++i) {
         if (splats->shapes != NULL) {
-            stp_gl_write(w, splats->shapes[i]);
+            *words++ = splats->shapes[i];
         }
         if (splats->ranges != NULL) {
-            stp_gl_write(w, splats->ranges[i]);
+            *words++ = splats->ranges[i];
         }
         if (splats->errors != NULL) {
-            stp_gl_write(w, splats->errors[i]);
+            *words++ = splats->errors[i];
         }
     }
 }
@@ -175,27 +157,54 @@ uint32_t stp_gl_option_words(const stp_splats* splats)
            ((splats->columns & STP_SPLATS_ERRORS) != 0 ? 1u : 0u);
 }
 
-static void write_colors(const stp_splats* splats, uint64_t begin, uint32_t count, stp_gl_writer* w)
+static void write_colors(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
 {
-    for (uint64_t i = begin; i < begin + count; ++i) {
+    const stp_splats* splats = &source->of.octave.splats;
+    for (size_t i = piece->begin; i < piece->end; ++i) {
         const uint8_t* c = splats->colors + 3 * i;
         uint8_t coverage = splats->coverages != NULL ? splats->coverages[i] : STP_COVERAGE_WHOLE;
         coverage = splats->plain_coverages ? stp_coverage_of_plain[coverage] : coverage;
-        stp_gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 |
-                            (uint32_t)coverage << 24);
+        *words++ =
+            (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 | (uint32_t)coverage << 24;
     }
 }
 
-/// Writes turns and spread of each splat, if the octave has them.
-static void write_lights(const stp_splats* splats, uint32_t octave, uint32_t count,
-                         stp_gl_writer* w)
+/// Writes turns and spread of each splat.
+static void write_lights(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
 {
-    stp_light_normals lights = stp_light_normals_of(splats, octave);
-    for (size_t i = 0; lights.turns != NULL && i < count; ++i) {
+    const stp_gl_octave_source* of = &source->of.octave;
+    stp_light_normals lights = stp_light_normals_of(&of->splats, of->octave);
+    for (size_t i = piece->begin; i < piece->end; ++i) {
         const uint8_t* turn = (const uint8_t*)lights.turns + 2 * i;
-        stp_gl_write(w, (uint32_t)turn[0] | (uint32_t)turn[1] << 8 |
-                            (uint32_t)lights.spreads[i] << 16);
+        *words++ = (uint32_t)turn[0] | (uint32_t)turn[1] << 8 | (uint32_t)lights.spreads[i] << 16;
     }
+}
+
+static stp_result add_colors(stp_gl_renderer* r, const stp_gl_octave_source* of)
+{
+    stp_gl_conversions* c = &r->conversions;
+    size_t first = stp_store_colors_begin(&of->splats, of->octave);
+    size_t end = of->splats.octave_ends[of->octave];
+    bool lit = stp_light_normals_of(&of->splats, of->octave).turns != NULL;
+    stp_result result =
+        stp_gl_conversions_add_range(c, &r->pool, write_colors, first, first + end, 1);
+    return result == STP_OK && lit
+               ? stp_gl_conversions_add_range(c, &r->pool, write_lights, 0, end, 1)
+               : result;
+}
+
+static stp_result add_places(stp_gl_renderer* r, const stp_gl_octave_source* of, uint32_t begin,
+                             uint32_t end)
+{
+    stp_gl_conversions* c = &r->conversions;
+    uint32_t options = stp_gl_option_words(&of->splats);
+    stp_result result = stp_gl_conversions_add_range(c, &r->pool, write_places, begin, end, 2);
+    result = result == STP_OK ? stp_gl_conversions_add_range(c, &r->pool, write_materials, 0,
+                                                             ((size_t)end - begin + 3) / 4, 1)
+                              : result;
+    return result == STP_OK && options > 0
+               ? stp_gl_conversions_add_range(c, &r->pool, write_options, begin, end, options)
+               : result;
 }
 
 stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t octave, bool colors,
@@ -213,28 +222,50 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
     uint64_t options = (uint64_t)stp_gl_option_words(known) * count;
     uint64_t of_colors = (uint64_t)end * (stp_has_light_normals(known, octave) ? 2 : 1);
     uint64_t words = colors ? of_colors : 2 * (uint64_t)count + (count + 3) / 4 + options;
-    stp_gl_upload result = stp_gl_upload_begin(r, entry, words, urgent);
-    if (result != GL_UPLOAD_THERE) {
-        return result;
+    stp_gl_source* source;
+    stp_gl_upload begun = stp_gl_upload_begin(r, entry, words, urgent, &source);
+    if (begun != GL_UPLOAD_THERE) {
+        return begun;
     }
-    stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
-    stp_splats splats;
-    stp_result got = stp_store_get_splat_set_prefix(r->store, set, octave + 1, &splats);
-    bool good = got == STP_OK;
-    r->failure = good ? r->failure : got;
-    if (good && splats.octave_count <= octave) { // partial file: it never arrives
-        stp_gl_pool_drop(&r->pool, entry);
+    stp_gl_octave_source* of = &source->of.octave;
+    of->octave = octave;
+    stp_result result = stp_store_get_splat_set_prefix(r->store, set, octave + 1, &of->splats);
+    if (result == STP_OK && of->splats.octave_count <= octave) { // partial file: it never arrives
+        stp_gl_conversions_cancel(&r->conversions, &r->pool);
         return GL_UPLOAD_LATER;
     }
-    if (good && colors) {
-        write_colors(&splats, stp_store_colors_begin(&splats, octave), end, &writer);
-        write_lights(&splats, octave, end, &writer);
-    } else if (good) {
-        write_places(&splats, begin, end, &writer);
-        write_options(&splats, begin, end, &writer);
-        r->entries.boxes[entry / 2] = bound_places(&splats, begin, end);
+    if (result == STP_OK && !colors) {
+        r->entries.boxes[entry / 2] = bound_places(&of->splats, begin, end);
     }
-    return stp_gl_upload_end(r, entry, &writer, good);
+    if (result == STP_OK) {
+        result = colors ? add_colors(r, of) : add_places(r, of, begin, end);
+    }
+    return stp_gl_upload_end(r, entry, result);
+}
+
+static void write_positions(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
+{
+    const stp_store_point_set* points = &source->of.points.points;
+    const float away[3] = {2.0f * (float)HIDDEN_PLACE, 2.0f * (float)HIDDEN_PLACE,
+                           2.0f * (float)HIDDEN_PLACE};
+    for (size_t i = piece->begin; i < piece->end; ++i, words += 3) {
+        bool hidden = source->of.points.hides && points->colors[4 * i + 3] == 0;
+        memcpy(words, hidden ? away : points->positions + 3 * i, sizeof(away));
+    }
+}
+
+static void write_point_colors(const stp_gl_source* source, const stp_gl_piece* piece,
+                               uint32_t* words)
+{
+    memcpy(words, source->of.points.points.colors + 4 * piece->begin,
+           4 * (piece->end - piece->begin));
+}
+
+static void write_point_normals(const stp_gl_source* source, const stp_gl_piece* piece,
+                                uint32_t* words)
+{
+    memcpy(words, source->of.points.points.normals + 2 * piece->begin,
+           4 * (piece->end - piece->begin));
 }
 
 stp_gl_upload stp_gl_upload_points(stp_gl_renderer* r, uint32_t point_set, uint32_t chunk,
@@ -253,151 +284,22 @@ stp_gl_upload stp_gl_upload_points(stp_gl_renderer* r, uint32_t point_set, uint3
     size_t begin = (size_t)chunk * UPLOAD_POINTS, end = begin + UPLOAD_POINTS;
     end = end < points.point_count ? end : points.point_count;
     assert(begin <= end && "a chunk of the set");
-    uint64_t each = 3u + (points.colors != NULL ? 1u : 0u) + (points.normals != NULL ? 1u : 0u);
-    stp_gl_upload result = stp_gl_upload_begin(r, entry, each * (end - begin), urgent);
-    if (result != GL_UPLOAD_THERE) {
-        return result;
+    bool colors = points.colors != NULL, normals = points.normals != NULL;
+    uint64_t each = 3u + (colors ? 1u : 0u) + (normals ? 1u : 0u);
+    stp_gl_source* source;
+    stp_gl_upload begun = stp_gl_upload_begin(r, entry, each * (end - begin), urgent, &source);
+    if (begun != GL_UPLOAD_THERE) {
+        return begun;
     }
-    stp_gl_writer writer = stp_gl_writer_begin(r, entry, each * (end - begin));
-    bool hides = stp_store_get_coloring(r->store)->hides && points.colors != NULL;
-    for (size_t i = begin; i < end; ++i) {
-        bool hidden = hides && points.colors[4 * i + 3] == 0;
-        for (size_t k = 0; k < 3; ++k) {
-            stp_gl_write_float(&writer,
-                               hidden ? 2.0f * (float)HIDDEN_PLACE : points.positions[3 * i + k]);
-        }
+    source->of.points = (stp_gl_points_source){
+        .points = points, .hides = stp_store_get_coloring(r->store)->hides && colors};
+    stp_gl_conversions* c = &r->conversions;
+    stp_result result = stp_gl_conversions_add_range(c, &r->pool, write_positions, begin, end, 3);
+    if (result == STP_OK && colors) {
+        result = stp_gl_conversions_add_range(c, &r->pool, write_point_colors, begin, end, 1);
     }
-    for (size_t i = begin; i < end && points.colors != NULL; ++i) {
-        uint32_t word;
-        memcpy(&word, points.colors + 4 * i, sizeof(word));
-        stp_gl_write(&writer, word);
+    if (result == STP_OK && normals) {
+        result = stp_gl_conversions_add_range(c, &r->pool, write_point_normals, begin, end, 1);
     }
-    for (size_t i = begin; i < end && points.normals != NULL; ++i) {
-        uint32_t word;
-        memcpy(&word, points.normals + 2 * i, sizeof(word));
-        stp_gl_write(&writer, word);
-    }
-    return stp_gl_upload_end(r, entry, &writer, true);
-}
-
-/// Size in words of the alpha cutoffs of levels from `first`.
-static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first)
-{
-    uint32_t count = pyramid->cutoff_levels;
-    return first < count ? (uint64_t)(count - first) * STP_CUTOUT_STEPS : 0;
-}
-
-/// First level that fits into half a page together with all coarser ones, or the coarsest, and
-/// their size in words.
-static uint32_t choose_level(const stp_gl_renderer* r, const stp_texture_pyramid* pyramid,
-                             uint64_t* words)
-{
-    uint32_t first = 0;
-    do {
-        *words = TEXTURE_HEADER;
-        for (uint32_t i = first; i < pyramid->level_count; ++i) {
-            *words += (uint64_t)pyramid->width[i] * pyramid->height[i];
-        }
-        *words += count_cutoffs(pyramid, first);
-    } while (*words > (UINT64_C(1) << r->pool.page_shift) / 2 && ++first < pyramid->level_count);
-    assert(pyramid->level_count > 0 && pyramid->level_count <= STP_TEXTURE_LEVELS);
-    return first < pyramid->level_count ? first : pyramid->level_count - 1;
-}
-
-static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, stp_gl_writer* w)
-{
-    uint64_t cutoffs = count_cutoffs(pyramid, first);
-    uint32_t flags =
-        (pyramid->linear ? TEXTURE_LINEAR : 0u) | (pyramid->nearest ? TEXTURE_NEAREST : 0u) |
-        (uint32_t)pyramid->wrap_u * TEXTURE_WRAP_U | (uint32_t)pyramid->wrap_v * TEXTURE_WRAP_V |
-        (cutoffs > 0 ? TEXTURE_CUTOUT : 0u) |
-        (uint32_t)(cutoffs / STP_CUTOUT_STEPS) << TEXTURE_CUTOFF_SHIFT |
-        (first > 0 ? TEXTURE_REDUCED : 0u);
-    uint32_t place = TEXTURE_HEADER, count = pyramid->level_count - first;
-    stp_gl_write(w, flags);
-    stp_gl_write(w, count);
-    for (uint32_t i = first; i < pyramid->level_count; ++i) {
-        stp_gl_write(w, pyramid->width[i]);
-        stp_gl_write(w, pyramid->height[i]);
-        stp_gl_write(w, place);
-        place += pyramid->width[i] * pyramid->height[i];
-    }
-    assert(first < pyramid->level_count && TEXTURE_SIZES + 3 * count <= TEXTURE_HEADER);
-    for (uint32_t i = TEXTURE_SIZES + 3 * count; i < TEXTURE_HEADER; ++i) {
-        stp_gl_write(w, 0);
-    }
-    for (uint32_t i = first; i < pyramid->level_count; ++i) {
-        size_t texels = (size_t)pyramid->width[i] * pyramid->height[i];
-        for (size_t k = 0; k < texels; ++k) {
-            uint32_t word;
-            memcpy(&word, pyramid->texels[i] + 4 * k, sizeof(word));
-            stp_gl_write(w, word);
-        }
-    }
-    for (uint64_t k = 0; k < cutoffs; ++k) {
-        stp_gl_write_float(w, pyramid->cutoffs[(uint64_t)first * STP_CUTOUT_STEPS + k]);
-    }
-}
-
-_Static_assert(STP_CUTOUT_STEPS == TEXTURE_CUTOFFS, "as shaders have it");
-_Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
-
-/// Whether the alpha of a texture cuts anything out.
-static bool is_cutout(const stp_gl_renderer* r, uint32_t texture)
-{
-    for (uint32_t i = 0; i < r->directory->material_count; ++i) {
-        const stp_store_material* m = &r->directory->materials[i];
-        if (m->alpha == STP_STORE_MASK && m->base_color_texture.texture == texture) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static stp_gl_upload upload_texels(stp_gl_renderer* r, uint32_t texture, bool data,
-                                   const stp_store_texture* source)
-{
-    uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
-    stp_texture_pyramid pyramid;
-    r->failure = stp_texture_pyramid_create(r->base.context, source->texels, source->width,
-                                            source->height, data, &pyramid);
-    if (r->failure != STP_OK) {
-        return GL_UPLOAD_FAILED;
-    }
-    pyramid.wrap_u = (stp_texture_wrap)source->wrap_u;
-    pyramid.wrap_v = (stp_texture_wrap)source->wrap_v;
-    pyramid.nearest = source->nearest != 0;
-    if (!data && is_cutout(r, texture)) {
-        r->failure = stp_cutout_prepare(r->base.context, &pyramid);
-        if (r->failure != STP_OK) {
-            stp_texture_pyramid_destroy(r->base.context, &pyramid);
-            return GL_UPLOAD_FAILED;
-        }
-    }
-    uint64_t words;
-    uint32_t first = choose_level(r, &pyramid, &words);
-    stp_gl_upload result = stp_gl_upload_begin(r, entry, words, true);
-    if (result == GL_UPLOAD_THERE) {
-        stp_gl_writer writer = stp_gl_writer_begin(r, entry, words);
-        write_texture(&pyramid, first, &writer);
-        result = stp_gl_upload_end(r, entry, &writer, true);
-    }
-    stp_texture_pyramid_destroy(r->base.context, &pyramid);
-    return result;
-}
-
-stp_gl_upload stp_gl_upload_texture(stp_gl_renderer* r, uint32_t texture, bool data)
-{
-    uint32_t entry = r->entries.textures + 2 * texture + (data ? 1u : 0u);
-    if (stp_gl_pool_has(&r->pool, entry)) {
-        stp_gl_pool_use(&r->pool, entry);
-        return GL_UPLOAD_THERE;
-    }
-    stp_store_texture source;
-    uint8_t* decoded; // texels are not needed after the upload
-    r->failure = stp_store_load_texture(r->store, texture, &source, &decoded);
-    stp_gl_upload result =
-        r->failure == STP_OK ? upload_texels(r, texture, data, &source) : GL_UPLOAD_FAILED;
-    stp_free(r->base.context, decoded);
-    return result;
+    return stp_gl_upload_end(r, entry, result);
 }

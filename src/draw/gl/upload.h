@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Uploads a store's data to the pool, in the shaders' layout (shaders/interface.h). Each item is
-// uploaded as a whole on first use.
+// uploaded as a whole on first use; it is there when the frame has been made (conversions.h).
 #pragma once
 
 #include "draw/gl/gl_renderer.h"
-
-#include <string.h>
 
 enum {
     UPLOAD_POINTS = 65536,          ///< maximum points of a chunk
@@ -49,40 +47,10 @@ static inline uint32_t stp_gl_address(const stp_gl_renderer* r, uint32_t entry)
     return r->pool.entries[entry].address;
 }
 
-/// Sequential writer of words to an item in the pool.
-typedef struct stp_gl_writer {
-    stp_gl_pool* pool;
-    uint32_t address;
-    uint64_t left;   ///< remaining words
-    uint32_t* words; ///< space in the ring
-    uint32_t used, room;
-    stp_gl_ring_part part;
-    bool failed;
-} stp_gl_writer;
-
-stp_gl_writer stp_gl_writer_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words);
-/// Sends the written words and gets more space.
-void stp_gl_writer_turn(stp_gl_writer* writer);
-
-static inline void stp_gl_write(stp_gl_writer* writer, uint32_t word)
-{
-    if (writer->used == writer->room) {
-        stp_gl_writer_turn(writer);
-    }
-    if (!writer->failed) {
-        writer->words[writer->used++] = word;
-    }
-}
-
-static inline void stp_gl_write_float(stp_gl_writer* writer, float value)
-{
-    uint32_t word;
-    memcpy(&word, &value, sizeof(word));
-    stp_gl_write(writer, word);
-}
-
-/// Starts an upload of `words`. @return GL_UPLOAD_THERE if there is room, and it can be written
-stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent);
-/// Ends an upload: after a failure, nothing of it is in the pool.
-stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_gl_writer* writer,
-                                bool good);
+/// Takes room for an upload of `words`, and begins it: `source` receives its source, to be filled.
+/// @return GL_UPLOAD_THERE if it has
+stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t words, bool urgent,
+                                  stp_gl_source** source);
+/// Ends an upload, whose pieces were added with this result. After a failure, nothing of it is in
+/// the pool.
+stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_result result);
