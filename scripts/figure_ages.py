@@ -33,6 +33,7 @@ ROOMS = {
     "bench/controllers.py": DRAWING + ["src/lod"],
     "bench/gaps.py": DRAWING + ["src/lod"],
     "bench/jumps.py": DRAWING + ["src/lod"],
+    "bench/motion.py": DRAWING + ["src/lod"],
     "bench/growth.py": DRAWING + ["src/lod"],
     "bench/popping.py": DRAWING + ["src/lod"],
     "bench/positions.py": DRAWING + ["src/lod"],
