@@ -8,6 +8,8 @@
 #include "draw/placement.h"
 #include "store/support_mesh.h"
 
+#include <string.h>
+
 enum { ITEMS = 7, SIDE = 110, SHARED_FROM = 1024 }; // fewer clusters are culled by one thread
 
 static made_mesh wave;
@@ -115,7 +117,7 @@ void test_gl_clusters_of_many_items(test_state* test)
     made_mesh_destroy(&wave);
 }
 
-/// A mesh of columns that takes more than two batches of words.
+/// A mesh of columns that takes more than two batches of words, above a small one, which comes first.
 static void add_large(made_picture* p)
 {
     enum { LARGE_SIDE = 300 };
@@ -126,12 +128,16 @@ static void add_large(made_picture* p)
     stp_store_mesh mesh = made_mesh_view(&wave);
     stp_box box = stp_box_of(wave.positions, wave.vertex_count);
     mesh.bounds = box;
+    const stp_boxd bounds = {stp_to_double(box.min), stp_to_double(box.max)};
+    double size = bounds.max.x - bounds.min.x;
+    p->view.target = stp_scaled(stp_addd(bounds.min, bounds.max), 0.5);
+    stp_vec3d below = p->view.target;
+    below.z -= 100.0 * (size + 1.0);
+    made_picture_add(p, 0.0, below, NULL);
     made_picture_add(p, 0.0, (stp_vec3d){0, 0, 0}, NULL);
-    s->meshes[0] = mesh;
-    s->nodes[0].triangle_count = mesh.triangle_count;
-    s->nodes[0].bounds = (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
-    double size = (double)(box.max.x - box.min.x);
-    p->view.target = stp_scaled(stp_addd(s->nodes[0].bounds.min, s->nodes[0].bounds.max), 0.5);
+    s->meshes[1] = mesh;
+    s->nodes[1].triangle_count = mesh.triangle_count;
+    s->nodes[1].bounds = bounds;
     p->view.eye = p->view.target;
     p->view.eye.z += 0.5 * size;
 }
@@ -152,10 +158,51 @@ void test_gl_meshes_larger_than_a_batch_are_whole(test_state* test)
     uint64_t covered = m.picture.stats.covered_pixels;
     CHECK(covered > PICTURE_SIDE * PICTURE_SIDE / 4);
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(2, m.picture.list.count);
+    CHECK_EQUAL(0, m.picture.list.items[0].index); // it begins the first batch
     CHECK(stp_draw_gl_get_stats(m.renderer).uploaded_bytes > 8 * (uint64_t)POOL_PART_WORDS);
     CHECK(m.picture.stats.covered_pixels + 8 >= covered);
     CHECK(m.picture.stats.covered_pixels <= covered + 8);
     CHECK(made_count_different(m.pixels, m.picture.pixels, 6) <= PICTURE_SIDE * PICTURE_SIDE / 50);
+    made_gl_end(&m);
+    made_mesh_destroy(&wave);
+}
+
+static void write_nothing(const stp_gl_source* source, const stp_gl_piece* piece, uint32_t* words)
+{
+    (void)source;
+    memset(words, 0, piece->words * sizeof(*words));
+}
+
+// A file that is overwritten during an upload may have more or fewer words than announced.
+void test_gl_uploads_of_other_sizes_are_refused(test_state* test)
+{
+    made_gl m;
+    bool failed;
+    wave = (made_mesh){0};
+    if (!made_gl_begin_with(&m, add_large, NULL, NULL, &failed)) {
+        made_gl_end(&m);
+        CHECK(!failed);
+        test->skipped = "there is no OpenGL";
+        return;
+    }
+    stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
+    const uint32_t entry = r->entries.meshes;
+    for (uint32_t words = 9; words <= 11; ++words) {
+        stp_gl_conversions* c = &r->conversions;
+        const stp_gl_piece piece = {.convert = write_nothing, .end = 1, .words = words};
+        CHECK(stp_gl_pool_take(&r->pool, entry, 10));
+        CHECK(stp_gl_conversions_begin(c, &r->pool, entry, 10) != NULL);
+        stp_result result = stp_gl_conversions_add(c, &r->pool, piece);
+        CHECK_EQUAL(words > 10 ? STP_ERROR_FORMAT : STP_OK, result);
+        if (words <= 10) {
+            CHECK_EQUAL(words < 10 ? STP_ERROR_FORMAT : STP_OK,
+                        stp_gl_conversions_end(c, &r->pool));
+        }
+        stp_gl_conversions_drop(c, &r->pool);
+        CHECK(!stp_gl_pool_has(&r->pool, entry));
+    }
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m)); // nothing of them is left
     made_gl_end(&m);
     made_mesh_destroy(&wave);
 }

@@ -29,11 +29,24 @@ stp_gl_source* stp_gl_conversions_begin(stp_gl_conversions* c, const stp_gl_pool
     return source;
 }
 
+static stp_result report_change(const stp_gl_pool* pool)
+{
+    return stp_fail(pool->context, STP_ERROR_FORMAT,
+                    "gl: data changed while it was uploaded: its file was overwritten");
+}
+
+stp_result stp_gl_conversions_end(const stp_gl_conversions* c, const stp_gl_pool* pool)
+{
+    return c->left == 0 ? STP_OK : report_change(pool);
+}
+
 stp_result stp_gl_conversions_add(stp_gl_conversions* c, stp_gl_pool* pool, stp_gl_piece piece)
 {
-    assert(c->source_count > 0 && piece.words <= c->left && "no more than announced");
-    assert(piece.words > 0 && piece.words <= POOL_PART_WORDS);
+    assert(c->source_count > 0 && piece.words > 0 && piece.words <= POOL_PART_WORDS);
     stp_result result = STP_OK;
+    if (piece.words > c->left) {
+        return report_change(pool);
+    }
     if (piece.words > POOL_PART_WORDS - c->words) {
         result = stp_gl_conversions_send(c, pool);
     }
@@ -115,6 +128,7 @@ stp_result stp_gl_conversions_send(stp_gl_conversions* c, stp_gl_pool* pool)
     batch b = {.c = c, .words = part.memory};
     stp_parallel_for(pool->context, c->piece_count, 1, convert_pieces, &b);
     copy_pieces(c, pool, &part);
+    stp_gl_ring_mark(pool->gl, &pool->ring);
     // the last item may get more pieces
     c->sources[0] = c->sources[c->source_count - 1];
     c->source_count = 1;
@@ -134,7 +148,7 @@ void stp_gl_conversions_drop(stp_gl_conversions* c, stp_gl_pool* pool)
 {
     for (size_t i = 0; i < c->source_count; ++i) {
         bool unfinished = i + 1 == c->source_count && c->left > 0;
-        if ((c->piece_count > 0 || unfinished) && stp_gl_pool_has(pool, c->sources[i].entry)) {
+        if (c->piece_count > 0 || unfinished) {
             stp_gl_pool_drop(pool, c->sources[i].entry);
         }
     }

@@ -31,8 +31,8 @@ typedef struct stp_gl_points_source {
     bool hides; ///< colours of zero alpha hide points
 } stp_gl_points_source;
 
-/// What an item of the pool is converted from. The store's memory stays; a texture's does until the
-/// next call of stp_gl_conversions_send.
+/// What an item of the pool is converted from. The store's memory stays; that of a texture must do so
+/// until stp_gl_conversions_send or stp_gl_conversions_drop.
 typedef struct stp_gl_source {
     uint32_t entry; ///< of the pool
     union {
@@ -74,18 +74,22 @@ typedef struct stp_gl_conversions {
 
 void stp_gl_conversions_destroy(stp_context* context, stp_gl_conversions* c);
 
-/// Begins an item of `words`, which has a place in the pool. @return its source, to be filled, valid
-/// until the next item begins; NULL if out of memory (logged)
+/// Begins an item of `words`, which has a place in the pool. @return its source, to be filled before
+/// its first piece is added; NULL if out of memory (logged)
 stp_gl_source* stp_gl_conversions_begin(stp_gl_conversions* c, const stp_gl_pool* pool,
                                         uint32_t entry, uint64_t words);
-/// Adds a piece of up to POOL_PART_WORDS to the last item. A full batch is sent first.
-/// @return as stp_gl_conversions_send, or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Adds a piece of up to POOL_PART_WORDS to the last item. A full batch is sent first. @return as
+/// stp_gl_conversions_send; STP_ERROR_OUT_OF_MEMORY; STP_ERROR_FORMAT if the item gets more words
+/// than it announced: its file was overwritten. Logged; what is collected stays, to be dropped
 STP_MUST_USE stp_result stp_gl_conversions_add(stp_gl_conversions* c, stp_gl_pool* pool,
                                                stp_gl_piece piece);
 /// Adds pieces of the units [begin, end), `each` words a unit.
 STP_MUST_USE stp_result stp_gl_conversions_add_range(stp_gl_conversions* c, stp_gl_pool* pool,
                                                      stp_gl_convert* convert, size_t begin,
                                                      size_t end, uint32_t each);
+/// Ends an item. @return STP_OK, STP_ERROR_FORMAT (logged) if words are missing
+STP_MUST_USE stp_result stp_gl_conversions_end(const stp_gl_conversions* c,
+                                               const stp_gl_pool* pool);
 /// Converts and sends what is collected. @return STP_OK; STP_ERROR_UNSUPPORTED (logged) if the
 /// context is lost: then nothing of these items is in the pool
 STP_MUST_USE stp_result stp_gl_conversions_send(stp_gl_conversions* c, stp_gl_pool* pool);

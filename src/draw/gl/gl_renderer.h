@@ -290,7 +290,8 @@ void stp_gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum
                          uint32_t width, uint32_t height, uint64_t band_bytes, void* pixels);
 
 /// Uploads the list's data to the pool, within the frame's upload limit, and builds blocks, records
-/// and commands. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged
+/// and commands. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED (the context is
+/// lost), or as the store's functions; logged
 STP_MUST_USE stp_result stp_gl_frame_make(stp_gl_renderer* r);
 /// Places items again after the placement's shift has changed; `pattern` is the sample's number.
 void stp_gl_frame_place(stp_gl_renderer* r, uint32_t pattern);

@@ -78,8 +78,8 @@ stp_gl_upload stp_gl_upload_begin(stp_gl_renderer* r, uint32_t entry, uint64_t w
 
 stp_gl_upload stp_gl_upload_end(stp_gl_renderer* r, uint32_t entry, stp_result result)
 {
+    result = result == STP_OK ? stp_gl_conversions_end(&r->conversions, &r->pool) : result;
     if (result == STP_OK) {
-        assert(r->conversions.left == 0 && "all announced words have a piece");
         return GL_UPLOAD_THERE;
     }
     stp_gl_conversions_drop(&r->conversions, &r->pool);
@@ -232,6 +232,7 @@ stp_gl_upload stp_gl_upload_octave(stp_gl_renderer* r, uint32_t set, uint32_t oc
     stp_result result = stp_store_get_splat_set_prefix(r->store, set, octave + 1, &of->splats);
     if (result == STP_OK && of->splats.octave_count <= octave) { // partial file: it never arrives
         stp_gl_conversions_cancel(&r->conversions, &r->pool);
+        r->frame.uploaded_bytes -= words * sizeof(uint32_t);
         return GL_UPLOAD_LATER;
     }
     if (result == STP_OK && !colors) {
