@@ -17,7 +17,7 @@ typedef struct stp_ray {
 
 /// Ray through a point of a picture (a pixel's centre: column + 0.5, row + 0.5), from the near
 /// plane. With two eyes, of the eye whose half contains the point. @return false if the view is
-/// invalid
+/// invalid, or the point not finite or too far outside
 bool stp_ray_of_pixel(const stp_view* view, double x, double y, stp_ray* ray);
 
 /// Width of a pixel at a distance on the ray: base + slope distance, in scene units.

@@ -20,13 +20,17 @@ bool stp_ray_of_pixel(const stp_view* view, double x, double y, stp_ray* ray)
     }
     stp_vec3d right = stp_scaled(frame.right, (x - frame.center_x) / frame.scale);
     stp_vec3d beside = stp_addd(right, stp_scaled(frame.down, (y - frame.center_y) / frame.scale));
+    stp_vec3d toward = stp_addd(frame.forward, beside);
+    double square = stp_dotd(toward, toward);
+    if (!isfinite(square)) {
+        return false; // the pixel is too far outside
+    }
     *ray = (stp_ray){.origin = frame.eye, .direction = frame.forward, .farthest = HUGE_VAL};
     ray->nearest = frame.near_distance;
     if (frame.parallel) {
         ray->origin = stp_addd(frame.eye, beside);
     } else {
-        stp_vec3d toward = stp_addd(frame.forward, beside);
-        ray->nearest *= sqrt(stp_dotd(toward, toward)); // depths are along the viewing direction
+        ray->nearest *= sqrt(square); // depths are along the viewing direction
         ray->direction = stp_normalized(toward);
     }
     return isfinite(ray->origin.x) && isfinite(ray->direction.x);

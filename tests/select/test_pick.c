@@ -203,6 +203,11 @@ void test_picks_of_pixels_hit_what_lies_there(test_state* test)
         CHECK_EQUAL(STP_OK, stp_pick_ray(context, store, &desc, &pick));
         CHECK(pick.hit && pick.part.kind == STP_STORE_PART_POINTS && pick.element == 0);
         CHECK(pick.position.x == 0.25 && pick.position.y == 0.5);
+        const double far[] = {1e300, -1e300, HUGE_VAL, (double)NAN};
+        for (int k = 0; k < 4; ++k) {
+            CHECK(!stp_ray_of_pixel(&views[i], far[k], 100, &desc.ray));
+            CHECK(!stp_ray_of_pixel(&views[i], 100, far[k], &desc.ray));
+        }
     }
     stp_store_close(store);
     stp_context_destroy(context);
