@@ -47,6 +47,20 @@ static void add_sheets(made_picture* p)
     s->edge_count = ITEMS;
 }
 
+static bool begin(test_state* test, made_gl* m, void (*add)(made_picture* p))
+{
+    bool failed;
+    wave = (made_mesh){0};
+    coded = (stp_coded_mesh){0};
+    if (made_gl_begin_with(m, add, NULL, NULL, &failed)) {
+        return true;
+    }
+    made_gl_end(m);
+    CHECK(!failed);
+    test->skipped = "there is no OpenGL";
+    return false;
+}
+
 /// Compares the shares of all clusters with those computed one by one. @return how many are drawn
 static uint32_t compare_shares(test_state* test, made_gl* m)
 {
@@ -95,13 +109,7 @@ static void compare(test_state* test, made_gl* m)
 void test_gl_clusters_of_many_items(test_state* test)
 {
     made_gl m;
-    bool failed;
-    wave = (made_mesh){0};
-    coded = (stp_coded_mesh){0};
-    if (!made_gl_begin_with(&m, add_sheets, NULL, NULL, &failed)) {
-        made_gl_end(&m);
-        CHECK(!failed);
-        test->skipped = "there is no OpenGL";
+    if (!begin(test, &m, add_sheets)) {
         return;
     }
     CHECK(ITEMS * coded.cluster_count > SHARED_FROM);
@@ -145,12 +153,7 @@ static void add_large(made_picture* p)
 void test_gl_meshes_larger_than_a_batch_are_whole(test_state* test)
 {
     made_gl m;
-    bool failed;
-    wave = (made_mesh){0};
-    if (!made_gl_begin_with(&m, add_large, NULL, NULL, &failed)) {
-        made_gl_end(&m);
-        CHECK(!failed);
-        test->skipped = "there is no OpenGL";
+    if (!begin(test, &m, add_large)) {
         return;
     }
     m.picture.quality.splat_size = 0;
@@ -178,12 +181,7 @@ static void write_nothing(const stp_gl_source* source, const stp_gl_piece* piece
 void test_gl_uploads_of_other_sizes_are_refused(test_state* test)
 {
     made_gl m;
-    bool failed;
-    wave = (made_mesh){0};
-    if (!made_gl_begin_with(&m, add_large, NULL, NULL, &failed)) {
-        made_gl_end(&m);
-        CHECK(!failed);
-        test->skipped = "there is no OpenGL";
+    if (!begin(test, &m, add_large)) {
         return;
     }
     stp_gl_renderer* r = (stp_gl_renderer*)m.renderer;
