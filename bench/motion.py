@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Pictures in motion: their times, how true they are, and what was drawn for each covered pixel.
 
-usage: bench/motion.py [--budget-ms MS] [--frames N] [--every N] [--size WxH] [--processors LIST] FILE=PATH...
+usage: bench/motion.py [--budget-ms MS] [--frames N] [--every N] [--popping] [--size WxH] [--processors LIST] FILE=PATH...
 
 Flies through each FILE along its PATH within a budget, with each kind of vectors. Every Nth frame is
 compared with 16 samples a pixel of the original triangles (truth); the ratio is to what the original
-triangles reach with one sample, and, filtered, with the same pixel filter. Results go to
-bench/results.
+triangles reach with one sample, and, filtered, with the same pixel filter. Popping compares every
+frame with its originals, which takes long. Results go to bench/results.
 """
 import os
 import statistics
@@ -21,7 +21,7 @@ def fly(given, scene, path, vectors):
     """@return figures of a flight"""
     os.environ["STP_PROCESSOR"] = vectors
     made = kit.stipple("fly", scene, "--path", path, "--budget-ms", given.budget_ms, "--size", given.size, "--frames", given.frames,
-                       "--reference-every", given.every, threads=given.threads)
+                       "--reference-every", given.every, *(["--popping"] if given.popping else []), threads=given.threads)
     frames = [f for f in made["per_frame"] if f["covered_pixels"] > 0]
     compared = made["quality"]
     filtered = [q["truth"] / q["exact_filtered"] for q in compared if q["exact_filtered"]]
@@ -39,14 +39,14 @@ def fly(given, scene, path, vectors):
 
 def show(results):
     head = ["flight", "vectors", "ms: median", "99 %", "within 1.15 x", "splat size", "resolution", "ratio: median", "least",
-            "filtered: median", "least", "popping: median", "99.9 %", "splats a pixel", "triangles", "fragments"]
+            "filtered: median", "least", *(["popping: median", "99.9 %"] if results[0]["figures"]["popping"] else []), "splats a pixel", "triangles", "fragments"]
     rows = []
     for r in results:
-        f, popping = r["figures"], r["figures"]["popping"] or {}
+        f = r["figures"]
         rows.append([kit.name_of(r["params"]["path"]).removesuffix(".json"), r["params"]["vectors"], f"{f['frame_ms']['p50']:.1f}", f"{f['frame_ms']['p99']:.1f}",
                      f"{100 * f['within_1_15']:.1f} %", f"{f['splat_size']:.1f}", f"{f['resolution']:.2f}", f"{f['ratio']:.3f}", f"{f['ratio_least']:.3f}",
                      *(f"{f[n]:.3f}" if n in f else "" for n in ("filtered_ratio", "filtered_ratio_least")),
-                     *(f"{popping[n]:.2f}" if n in popping else "" for n in ("p50", "p999")),
+                     *(f"{f['popping'][n]:.2f}" for n in ("p50", "p999") if f["popping"]),
                      *(f"{f[n]:.2f}" for n in ("splats_a_pixel", "triangles_a_pixel", "fragments_a_pixel"))])
     kit.table(head, rows)
 
@@ -57,6 +57,7 @@ def main():
     parser.add_argument("--budget-ms", type=float, default=33)
     parser.add_argument("--frames", type=int, default=146)
     parser.add_argument("--every", type=int, default=10)
+    parser.add_argument("--popping", action="store_true", help="measure it, too")
     parser.add_argument("--processors", default="avx512,avx2", help="values of STP_PROCESSOR; default avx512,avx2")
     given = parser.parse_args()
     results = []
