@@ -20,7 +20,7 @@ typedef enum stp_gl_upload {
     GL_UPLOAD_THERE,   ///< resident in the pool
     GL_UPLOAD_LATER,   ///< upload limit of the frame reached
     GL_UPLOAD_NO_ROOM, ///< pool full: this frame uses all of it
-    GL_UPLOAD_FAILED,  ///< reading the store failed, or the context is lost; logged
+    GL_UPLOAD_FAILED,  ///< no memory, no data of the store, or no context; logged
 } stp_gl_upload;
 
 /// Words per splat of shapes, ranges and errors, which follow an octave's positions and materials.
