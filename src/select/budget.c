@@ -187,12 +187,13 @@ void stp_budget_foresee(stp_budget* b, const stp_frame_cost* listed)
     assert(b->frames > 0 && "a frame was within the limit");
     const stp_work_limit prices = stp_budget_list_prices(b);
     double before = stp_budget_predict_list(b, stp_coarseness_of(listed));
-    double now = prices.splat * (double)listed->splats +
-                 prices.triangle * (double)listed->triangles +
+    double triangles = (double)listed->listed_triangles;
+    double now = prices.splat * (double)listed->splats + prices.triangle * triangles +
                  prices.item * (double)listed->draw_calls;
     double grown = before > 0.0 ? stp_clampd(now / before, 1.0, MOST_GROWN) : MOST_GROWN;
     b->last.splats = listed->splats;
-    b->last.triangles = listed->triangles;
+    b->last.triangles = (uint64_t)(stp_budget_drawn_share(b) * triangles);
+    b->last.listed_triangles = listed->listed_triangles;
     b->last.draw_calls = listed->draw_calls;
     b->last.fragments = (uint64_t)(grown * (double)b->last.fragments);
     b->last.covered_pixels = (uint64_t)(grown * (double)b->last.covered_pixels);

@@ -35,6 +35,9 @@ typedef enum stp_budget_effect {
 typedef struct stp_frame_cost {
     double milliseconds;
     uint64_t splats, fragments, triangles, covered_pixels;
+    /// Drawn triangles, and those that were found to be hidden or out of view; fewer than
+    /// `triangles`: as many
+    uint64_t listed_triangles;
     uint32_t draw_calls;
     float splat_size; ///< as used
     float resolution; ///< likewise: share of the picture's width and height; 0: all of it
@@ -132,13 +135,13 @@ bool stp_budget_has_decided(const stp_budget* budget);
 void stp_budget_update(stp_budget* budget, const stp_frame_cost* cost);
 
 /// What the next frame may have to draw: more than that means another place than the last frame's,
-/// as after a jump of the camera, so it is better not drawn before stp_budget_foresee. No limit if
-/// nothing is coarser.
+/// as after a jump of the camera, or that something large has left the view of what it hid. So it is
+/// better not drawn before stp_budget_foresee. No limit if nothing is coarser.
 stp_work_limit stp_budget_limit(const stp_budget* budget);
 
 /// Chooses the splat size and resolution of the next frame anew, from the counts of its list, which
-/// exceeded the limit: `listed` has splats, triangles, draw calls, and the size and resolution of
-/// this list. Call before the frame is drawn again, and stp_budget_update after it.
+/// exceeded the limit: `listed` has splats, listed triangles, draw calls, and the size and
+/// resolution of this list. Call before the frame is drawn again, and stp_budget_update after it.
 void stp_budget_foresee(stp_budget* budget, const stp_frame_cost* listed);
 
 /// Predicted time of a frame like the last one at another size of splats (stp_budget.coarseness),

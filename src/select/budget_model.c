@@ -35,6 +35,9 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define LEAST_LIMITED 3.0 // above this size
 #define HOPELESS 0.1      // applies in full if the fastest size misses the goal by this share
 #define TREND_FOLLOWS 0.5
+// least share of the triangles of an unexpected list that are drawn: whatever hid the last ones may
+// have left the view
+#define SURPRISING_SHARE 0.7
 #define MAX_LATE 0.4 // logarithm: a larger difference means a different place
 
 void stp_budget_init_model(stp_budget* b)
@@ -102,10 +105,25 @@ double stp_budget_predict(const stp_budget* b, double coarseness)
     return b->speed * price_of(b, terms);
 }
 
+static uint64_t count_listed(const stp_frame_cost* cost)
+{
+    return cost->listed_triangles > cost->triangles ? cost->listed_triangles : cost->triangles;
+}
+
+double stp_budget_drawn_share(const stp_budget* b)
+{
+    uint64_t listed = count_listed(&b->last);
+    return listed > 0 ? fmax((double)b->last.triangles / (double)listed, SURPRISING_SHARE)
+                      : SURPRISING_SHARE;
+}
+
 double stp_budget_predict_list(const stp_budget* b, double coarseness)
 {
     double terms[STP_BUDGET_TERMS];
-    predict_terms(b, coarseness, terms);
+    stp_budget unhidden = *b;
+    unhidden.last.triangles =
+        (uint64_t)(stp_budget_drawn_share(b) * (double)count_listed(&b->last));
+    predict_terms(&unhidden, coarseness, terms);
     terms[1] = terms[4] = 0.0;
     return b->speed * price_of(b, terms);
 }
@@ -261,7 +279,7 @@ stp_work_limit stp_budget_list_prices(const stp_budget* b)
 {
     return (stp_work_limit){
         .splat = b->speed * b->price[0] * units[0],
-        .triangle = b->speed * b->price[2] * units[2],
+        .triangle = b->speed * b->price[2] * units[2] * stp_budget_drawn_share(b),
         .item = b->speed * b->price[3] * units[3],
     };
 }

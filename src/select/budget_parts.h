@@ -25,10 +25,13 @@ void stp_budget_init_model(stp_budget* b);
 /// Learns from a frame without effects, and from how it differs from the forecast.
 void stp_budget_learn(stp_budget* b, const stp_frame_cost* cost);
 
-/// Milliseconds of each count of a list: splats, triangles and draws.
+/// Share of the listed triangles that are drawn, if the list is not like the last one.
+double stp_budget_drawn_share(const stp_budget* b);
+
+/// Milliseconds of each count of a list that is not like the last one: splats, triangles and draws.
 stp_work_limit stp_budget_list_prices(const stp_budget* b);
 
-/// The part of stp_budget_predict that a list's counts cause: splats, triangles and draws.
+/// What the next list would take at these prices, if it is like the last one.
 double stp_budget_predict_list(const stp_budget* b, double coarseness);
 
 /// Size at which the model, which never rises with size, meets the goal. If no size does, does not

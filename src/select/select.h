@@ -39,8 +39,8 @@ enum {
     STP_CUES_PAPER = 31, ///< Table 1 as it is printed
 };
 
-/// Bound on what a frame may have to draw, compared with the list of its first pass, without large
-/// triangles. All zero: none.
+/// Bound on what a frame may have to draw, compared with the list of its first pass and with that of
+/// both, without large triangles. All zero: none.
 typedef struct stp_work_limit {
     double splat, triangle, item; ///< work of each that is listed
     double most;                  ///< a list of more work is not drawn (stp_draw_stats.exceeds)

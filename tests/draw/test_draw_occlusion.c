@@ -222,3 +222,48 @@ void test_draw_selected_refuses_long_lists(test_state* test)
     }
     tear_down(&f);
 }
+
+// A list that becomes too long only with what the second pass adds is not drawn, either. The next
+// frame is as if it had not been.
+void test_draw_selected_refuses_long_second_passes(test_state* test)
+{
+    static fixture f;
+    int refused = 0;
+    for (uint64_t round = 0; round < 60; ++round) {
+        f = (fixture){0};
+        CHECK(set_up(&f, round));
+        stp_draw_style style = {.splat_scale = 1.0f};
+        stp_image image = {WIDTH, HEIGHT, f.pixels};
+        stp_draw_stats stats;
+        stp_quality quality = {.splat_size = (float)(1 + round % 4)};
+        stp_view before = view_at(round, 0.3), view = view_at(round, 2.0);
+        stp_view* const turns[] = {&before, &view};
+        for (int turn = 0; turn < 2; ++turn) {
+            CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, turns[turn], &quality,
+                                                           &style, &f.list, &image, &stats));
+        }
+        memcpy(f.expected, f.pixels, sizeof(f.pixels));
+        const size_t both = f.list.count, first = f.list.first_pass_count;
+        for (size_t most = first; most <= both && both > first; most += both - first) {
+            quality.limit = (stp_work_limit){0};
+            CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &before, &quality, &style,
+                                                           &f.list, &image, &stats));
+            quality.limit = (stp_work_limit){.item = 1.0, .most = (double)most};
+            memset(f.pixels, 7, sizeof(f.pixels));
+            CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style,
+                                                           &f.list, &image, &stats));
+            CHECK_EQUAL(most < both, stats.exceeds);
+            CHECK_EQUAL(both, stats.draw_calls);
+            for (size_t i = 0; i < sizeof(f.pixels) && stats.exceeds; ++i) {
+                CHECK(f.pixels[i] == 7);
+            }
+            refused += stats.exceeds;
+            quality.limit = (stp_work_limit){0};
+            CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style,
+                                                           &f.list, &image, &stats));
+            CHECK_EQUAL(0, memcmp(f.expected, f.pixels, sizeof(f.pixels)));
+        }
+        tear_down(&f);
+    }
+    CHECK(refused > 3); // otherwise the test proves nothing
+}

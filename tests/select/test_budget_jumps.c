@@ -52,7 +52,8 @@ static outcome fly(double heavier, bool looks)
                                         stp_budget_resolution(&budget));
         if (looks && limit.most > 0.0 && work_of(&limit, &cost) > limit.most) {
             stp_frame_cost listed = cost;
-            listed.fragments = listed.covered_pixels = 0;
+            listed.listed_triangles = listed.triangles;
+            listed.fragments = listed.covered_pixels = listed.triangles = 0;
             listed.milliseconds = 1.0;
             stp_budget_foresee(&budget, &listed);
             cost = run_place(millions, covered, stp_budget_splat_size(&budget),
@@ -78,6 +79,55 @@ void test_budget_foresees_jumps(test_state* test)
         CHECK(without.late >= 20 && without.worst > 1.3); // at each jump to a heavier place
         CHECK(with.late == 0 && with.worst < 1.2);
         CHECK_EQUAL(20, with.refused); // nothing but jumps
+    }
+}
+
+/// A frame before a wall: a million triangles are listed, and a fiftieth of them is drawn. Without
+/// the wall so many million are listed at a size of 1 pixel, and 0.7 of them are drawn.
+static stp_frame_cost run_behind(double millions, bool wall, float size, float resolution)
+{
+    double area = (double)resolution * (double)resolution;
+    double listed = wall ? 1.0 : millions * pow(1.0 / (double)size, 0.8) * sqrt((double)resolution);
+    double drawn = (wall ? 0.02 : 0.7) * listed, fragments = (wall ? 2.0 : 4.0) * area;
+    return (stp_frame_cost){
+        .milliseconds = 1.0 + 14.0 * drawn + 1.5 * fragments + 8.0 * area,
+        .triangles = (uint64_t)(1e6 * drawn),
+        .listed_triangles = (uint64_t)(1e6 * listed),
+        .fragments = (uint64_t)(1e6 * fragments),
+        .covered_pixels = (uint64_t)(1e6 * area),
+        .draw_calls = (uint32_t)(100.0 * listed),
+        .splat_size = size,
+        .resolution = resolution,
+    };
+}
+
+// When a wall leaves the view, the triangles behind it cost what triangles cost before they were
+// hidden, however many hidden ones were listed meanwhile for nothing.
+void test_budget_foresees_what_was_hidden(test_state* test)
+{
+    for (double millions = 3.0; millions <= 12.0; millions *= 1.4) {
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, BUDGET_MS);
+        stp_budget_lower_resolution(&budget);
+        for (int frame = 0; frame < 400; ++frame) {
+            bool wall = frame >= 100 && frame % 100 < 80;
+            stp_work_limit limit = stp_budget_limit(&budget);
+            stp_frame_cost cost = run_behind(millions, wall, stp_budget_splat_size(&budget),
+                                             stp_budget_resolution(&budget));
+            stp_frame_cost listed = cost;
+            listed.triangles = listed.fragments = listed.covered_pixels = 0;
+            double work = limit.triangle * (double)listed.listed_triangles +
+                          limit.item * (double)listed.draw_calls;
+            bool refused = limit.most > 0.0 && work > limit.most;
+            if (refused) {
+                stp_budget_foresee(&budget, &listed);
+                cost = run_behind(millions, wall, stp_budget_splat_size(&budget),
+                                  stp_budget_resolution(&budget));
+            }
+            CHECK(frame < 100 || cost.milliseconds < 1.2 * BUDGET_MS);
+            CHECK(frame < 100 || !refused || frame % 100 == 80);
+            stp_budget_update(&budget, &cost);
+        }
     }
 }
 
@@ -109,7 +159,8 @@ static int count_refused(bool splats, double exponent, double pixel_ms)
                 stp_budget_update(&budget, &cost);
                 break;
             }
-            cost.fragments = cost.covered_pixels = 0;
+            cost.listed_triangles = cost.triangles;
+            cost.fragments = cost.covered_pixels = cost.triangles = 0;
             stp_budget_foresee(&budget, &cost);
             refused += frame >= 40;
         }
@@ -160,6 +211,7 @@ void test_budget_foresight_is_never_finer(test_state* test)
     for (int i = 0; i < 12; ++i) {
         float before = stp_budget_splat_size(&budget);
         stp_frame_cost listed = run_place(pow(2.0, (double)(i - 6)), 0.0, before, 1.0f);
+        listed.listed_triangles = listed.triangles;
         stp_budget_foresee(&budget, &listed);
         CHECK(stp_budget_splat_size(&budget) >= before);
     }

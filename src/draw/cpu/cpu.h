@@ -140,6 +140,7 @@ typedef struct stp_cpu_two_passes {
     stp_draw_list* list;
     bool hides_nodes; ///< selection may cull with pyramids
     bool selected;    ///< the list holds the first pass of the next sample
+    bool exceeds;     ///< the list exceeds the quality's limit, so the picture was given up
     double select_ms; ///< selection time
 } stp_cpu_two_passes;
 

@@ -251,6 +251,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
     passes.quality.occlusion = NULL; // every visible input decides whether the sums continue
+    passes.quality.limit = (stp_work_limit){0};
     stp_result result = stp_select(renderer->context, r->store, view, &passes.quality, list);
     if (result != STP_OK) {
         return result;
@@ -268,24 +269,6 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     return result;
 }
 
-/// Whether a list is more work than wanted; then its counts are the statistics.
-static bool exceeds(const stp_work_limit* limit, const stp_view* view, const stp_draw_list* list,
-                    stp_draw_stats* stats)
-{
-    double eyes = (double)stp_view_eye_count(view);
-    double work = limit->splat * (double)list->splat_count +
-                  limit->triangle * (double)list->triangle_count +
-                  limit->item * (double)list->count;
-    if (!(limit->most > 0.0) || eyes * work <= limit->most) {
-        return false;
-    }
-    *stats = (stp_draw_stats){.listed_splats = (uint64_t)eyes * list->splat_count,
-                              .listed_triangles = (uint64_t)eyes * list->triangle_count,
-                              .draw_calls = (uint32_t)eyes * (uint32_t)list->count,
-                              .exceeds = true};
-    return true;
-}
-
 static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
                                 const stp_quality* quality, const stp_draw_style* style,
                                 stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
@@ -301,10 +284,16 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
     r->visibility = quality->visibility;
     stp_result result = stp_cpu_select_sample(r);
     r->two_passes = occludes ? &passes : NULL;
-    if (result == STP_OK && exceeds(&quality->limit, view, list, stats)) {
-        r->two_passes = NULL;
-    } else if (result == STP_OK) {
+    if (result == STP_OK && !stp_cpu_exceeds(&passes)) {
         result = draw(renderer, view, list, style, image, stats);
+    }
+    if (passes.exceeds && (result == STP_OK || !stp_cpu_is_stopped(r))) {
+        uint32_t eyes = stp_view_eye_count(view);
+        *stats = (stp_draw_stats){.listed_splats = eyes * list->splat_count,
+                                  .listed_triangles = eyes * list->triangle_count,
+                                  .draw_calls = eyes * (uint32_t)list->count,
+                                  .exceeds = true};
+        result = STP_OK;
     }
     r->two_passes = NULL;
     r->visibility = NULL;

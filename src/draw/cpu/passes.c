@@ -87,7 +87,20 @@ stp_result stp_cpu_select_sample(stp_cpu_renderer* r)
     return result;
 }
 
-/// After the first pass of all eyes: selects deferred nodes that are visible.
+bool stp_cpu_exceeds(stp_cpu_two_passes* passes)
+{
+    const stp_work_limit* limit = &passes->quality.limit;
+    const stp_draw_list* list = passes->list;
+    double work = limit->splat * (double)list->splat_count +
+                  limit->triangle * (double)list->triangle_count +
+                  limit->item * (double)list->count;
+    double eyes = (double)stp_view_eye_count(passes->view);
+    passes->exceeds = limit->most > 0.0 && eyes * work > limit->most;
+    return passes->exceeds;
+}
+
+/// After the first pass of all eyes: selects deferred nodes that are visible. Nothing is drawn of a
+/// list that is too long with them.
 static stp_result select_rejected(stp_cpu_renderer* r, size_t first)
 {
     stp_cpu_two_passes* passes = r->two_passes;
@@ -106,6 +119,7 @@ static stp_result select_rejected(stp_cpu_renderer* r, size_t first)
                                      passes->list);
     }
     passes->select_ms += stp_clock_ms() - start;
+    result = result == STP_OK && stp_cpu_exceeds(passes) ? STP_ERROR_CANCELLED : result;
     return result == STP_OK ? stp_cpu_prepare_items(r, passes->list, first) : result;
 }
 
@@ -229,6 +243,7 @@ static stp_result draw_sample(stp_cpu_renderer* r, const stp_draw_list* list, ui
     if (passes != NULL) {
         stats->draw_ms -= passes->select_ms - select_ms;
         passes->selected = false;
+        passes->quality.limit = (stp_work_limit){0}; // the first sample decides
     }
     stats->draw_ms += stp_clock_ms() - start;
     if (result == STP_OK) {

@@ -12,6 +12,9 @@
 /// Selects the first pass of a two-pass sample, and measures the time. @return as stp_select
 STP_MUST_USE stp_result stp_cpu_select_sample(stp_cpu_renderer* r);
 
+/// Notes whether the list of the first sample, so far, is more work than wanted, and returns it.
+bool stp_cpu_exceeds(stp_cpu_two_passes* passes);
+
 /// Draws side * side samples of a picture without effects: shading sums them. @return result of the
 /// first failing step
 STP_MUST_USE stp_result stp_cpu_draw_summed(stp_cpu_renderer* r, const stp_draw_list* list,
