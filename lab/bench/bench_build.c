@@ -115,6 +115,7 @@ static void report_build(const char* scene, double scale, const built* b, json_t
     bench_set_number(entry.figures, "capture_seconds", r->capture_s);
     bench_set_number(entry.figures, "order_seconds", r->order_s);
     bench_set_number(entry.figures, "finish_seconds", r->finish_s);
+    bench_set_number(entry.figures, "levels_seconds", r->levels_s);
     bench_set_number(entry.figures, "clusters_seconds", r->clusters_s);
     bench_set_number(entry.figures, "write_seconds", r->write_s);
     bench_set_count(entry.figures, "candidates", r->candidates);
