@@ -87,7 +87,7 @@ static stp_result draw_in_time(frame_maker* maker, const stp_view* view, stp_qua
                                const stp_draw_style* whole, stp_budget* budget, stp_image* image,
                                frame_figures* figures)
 {
-    double refused_ms = 0.0; // spent on selection
+    double refused_ms = 0.0, refused_draw_ms = 0.0; // spent on frames that were given up
     quality->limit = stp_budget_limit(budget);
     stp_result result;
     for (;;) {
@@ -100,10 +100,12 @@ static stp_result draw_in_time(frame_maker* maker, const stp_view* view, stp_qua
         }
         stp_budget_foresee(budget, &figures->cost);
         refused_ms += figures->cost.milliseconds;
+        refused_draw_ms += figures->draw_ms;
         quality->limit = (stp_work_limit){0};
     }
     figures->cost.milliseconds += refused_ms;
-    figures->select_ms += refused_ms;
+    figures->draw_ms += refused_draw_ms;
+    figures->select_ms += refused_ms - refused_draw_ms;
     return result;
 }
 

@@ -327,7 +327,7 @@ json_t* frame_describe(const frame_figures* f)
         c->milliseconds, "select_ms", f->select_ms, "draw_ms", f->draw_ms, "shade_ms", f->shade_ms,
         "splats", (json_int_t)f->splats, "fragments", (json_int_t)c->fragments, "clusters",
         (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "listed_splats",
-        (json_int_t)c->splats, "listed_triangles", (json_int_t)c->triangles, "nodes",
+        (json_int_t)c->splats, "listed_triangles", (json_int_t)c->listed_triangles, "nodes",
         (json_int_t)f->nodes, "draw_calls", (json_int_t)c->draw_calls, "covered_pixels",
         (json_int_t)c->covered_pixels, "layers", (json_int_t)f->layers, "gl", describe_gl(f));
 }

@@ -131,7 +131,8 @@ typedef struct stp_draw_stats {
     uint32_t draw_calls; ///< CPU: items drawn, for all eyes; OpenGL: draw calls of the last sample
     uint32_t samples;    ///< number of samples per pixel
     uint32_t layers;     ///< layers of transparent surfaces: maximum in a pixel of the last sample
-    /// The list exceeds stp_quality.limit: nothing was drawn, and the picture is as before. CPU only
+    /// The list exceeds stp_quality.limit: the picture was given up, and is as before; the
+    /// renderer's depths are not. CPU only
     bool exceeds;
 } stp_draw_stats;
 

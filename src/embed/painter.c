@@ -22,7 +22,7 @@ typedef struct picture {
     stp_image* image;
     bool accumulates, complete;
     double frame_ms;
-    double refused_ms; ///< before it: selection of a list that was too long
+    double refused_ms, refused_draw_ms; ///< before it: a picture that was given up
     stp_draw_stats stats;
     uint32_t missing, coming;
 } picture;
@@ -223,8 +223,8 @@ static void report_picture(const picture* p, stp_paint_report* report)
 {
     float resolution = stp_draw_resolution(&p->style);
     stp_paint_report made = {.frame_ms = p->frame_ms + p->refused_ms,
-                             .select_ms = p->stats.select_ms + p->refused_ms,
-                             .draw_ms = p->stats.draw_ms,
+                             .select_ms = p->stats.select_ms + p->refused_ms - p->refused_draw_ms,
+                             .draw_ms = p->stats.draw_ms + p->refused_draw_ms,
                              .shade_ms = p->stats.shade_ms,
                              .splat_size = p->painter->list.splat_size / resolution,
                              .splat_count = p->stats.splats,
@@ -314,6 +314,7 @@ static stp_result draw_in_time(picture* p, size_t stride)
             stp_draw_frame_cost(&p->style, &p->stats, painter->list.splat_size, p->frame_ms);
         stp_budget_foresee(budget, &listed);
         p->refused_ms = p->frame_ms;
+        p->refused_draw_ms = p->stats.draw_ms;
         p->quality.limit = (stp_work_limit){0};
     }
     return result;

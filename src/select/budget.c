@@ -175,8 +175,10 @@ stp_work_limit stp_budget_limit(const stp_budget* b)
     }
     double expected = stp_budget_predict(b, next), listed = stp_budget_predict_list(b, next);
     double wanted = fmax(expected, stp_budget_time_for_detail(b));
-    // pixels grow with the list
-    double most = expected > 0.0 ? SURPRISE * wanted * listed / expected : 0.0;
+    // pixels grow with the list; where most of the last one was hidden, only what is new takes time
+    double longest = SURPRISE * wanted;
+    double most = expected > 0.0 ? longest * fmin(listed / expected, 1.0) : 0.0;
+    most += fmax(listed - expected, 0.0);
     stp_work_limit limit = stp_budget_list_prices(b);
     limit.most = fmax(most, LEAST_SURPRISE * b->budget_ms);
     return limit;

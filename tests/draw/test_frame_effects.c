@@ -7,9 +7,15 @@
 void test_frame_effects_are_split_by_their_times(test_state* test)
 {
     stp_draw_style style = {.ambient_occlusion = 0.05f, .supersample = 2};
-    stp_draw_stats stats = {.effect_ms = 8.0, .layer_ms = 4.0, .layers = 3, .listed_splats = 7};
+    stp_draw_stats stats = {.effect_ms = 8.0,
+                            .layer_ms = 4.0,
+                            .layers = 3,
+                            .listed_splats = 7,
+                            .triangles = 5,
+                            .listed_triangles = 11};
     stp_frame_cost cost = stp_draw_frame_cost(&style, &stats, 2.0f, 28.0);
     CHECK(cost.milliseconds == 28.0 && cost.splats == 7 && cost.splat_size == 2.0f);
+    CHECK(cost.triangles == 5 && cost.listed_triangles == 11);
     CHECK(cost.effect_ms[STP_EFFECT_OCCLUSION] == 8.0);
     CHECK(cost.effect_ms[STP_EFFECT_ANTIALIASING] == 15.0); // three of four samples of 5 ms
     CHECK(cost.effect_ms[STP_EFFECT_LAYERS] == 0.75);       // of the remaining sample: three

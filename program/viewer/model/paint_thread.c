@@ -102,7 +102,8 @@ static void measure_gl(painter* p, const paint_request* request, paint_figures* 
     const stp_frame_cost* sent = &figures->cost; // until commands were sent
     stp_draw_stats stats = {.layers = figures->layers,
                             .listed_splats = sent->splats,
-                            .listed_triangles = sent->triangles,
+                            .triangles = sent->triangles,
+                            .listed_triangles = sent->listed_triangles,
                             .draw_calls = sent->draw_calls};
     stp_draw_gl_finish_stats(p->scene->renderers[1], &stats);
     figures->draw_ms = stats.draw_ms;
@@ -158,7 +159,7 @@ static bool draw_stage(painter* p, paint_request* request, float* size, uint32_t
     const stp_draw_style whole = request->style;
     bool limited = request->budget_ms > 0.0 && now->stage == STAGE_MOVES && !p->uses_gl;
     bool accumulates = now->stage == STAGE_ACCUMULATES, drawn;
-    double refused_ms = 0.0; // spent on selection
+    double refused_ms = 0.0, refused_draw_ms = 0.0; // spent on frames that were given up
     request->quality.limit = limited ? stp_budget_limit(budget_of(p)) : (stp_work_limit){0};
     for (;;) {
         *size = refinement_size(now, request, budget_of(p));
@@ -170,10 +171,12 @@ static bool draw_stage(painter* p, paint_request* request, float* size, uint32_t
         }
         stp_budget_foresee(budget_of(p), &figures->cost);
         refused_ms += figures->frame_ms;
+        refused_draw_ms += figures->draw_ms;
         request->quality.limit = (stp_work_limit){0};
     }
     figures->frame_ms += refused_ms;
-    figures->select_ms += refused_ms;
+    figures->draw_ms += refused_draw_ms;
+    figures->select_ms += refused_ms - refused_draw_ms;
     figures->cost.milliseconds += refused_ms;
     return drawn;
 }

@@ -45,7 +45,7 @@ typedef struct paint_request {
 typedef struct paint_figures {
     double frame_ms, select_ms, draw_ms, shade_ms;
     stp_frame_cost cost;        ///< its time excludes GPU work for other frames in between
-    uint64_t splats, triangles; ///< drawn; `cost` counts what was looked at to draw them
+    uint64_t splats, triangles; ///< drawn; `cost` counts splats that were looked at
     uint64_t nodes;
     uint64_t live_bytes; ///< memory in use by the renderer's context
     double latency_ms;   ///< from the request to its first picture

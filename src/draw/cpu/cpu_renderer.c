@@ -292,6 +292,7 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
         *stats = (stp_draw_stats){.listed_splats = eyes * list->splat_count,
                                   .listed_triangles = eyes * list->triangle_count,
                                   .draw_calls = eyes * (uint32_t)list->count,
+                                  .draw_ms = stats->draw_ms,
                                   .exceeds = true};
         result = STP_OK;
     }
