@@ -41,10 +41,12 @@ measure() {
 clear_builds() { rm -rf "$folder/cache" "$folder/built.stip" "$folder/built.stip.work"; }
 
 run_build() { clear_builds; measure "stipple-build" "$stipple" build "$model" -o "$folder/built.stip" --fresh -q; }
-run_render() {
+run_render() { # NAME OPTION...
+    local name=$1
+    shift
     clear_builds
-    measure "stipple-render" env XDG_CACHE_HOME="$folder/cache" "$stipple" render "$model" -o "$folder/stipple.png" \
-        --view front --size 1920x1080 -q
+    measure "$name" env XDG_CACHE_HOME="$folder/cache" "$stipple" render "$model" -o "$folder/stipple.png" \
+        --view front --size 1920x1080 -q "$@"
 }
 run_gltfpack() { measure "gltfpack" gltfpack -i "$model" -o "$folder/simple.glb" -si 0.01; }
 run_f3d() { measure "f3d" "${screen[@]}" f3d "$model" --output "$folder/f3d.png" --resolution 1920,1080; }
@@ -66,7 +68,8 @@ for _ in $(seq "$repeats"); do
     ! $with_gltfpack || run_gltfpack
     run_build
     ! $with_f3d || run_f3d
-    run_render
+    run_render stipple-render --once --supersample 1
+    run_render stipple-render-full
 done
 
 median() { sort -n | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'; }
@@ -84,6 +87,7 @@ echo "|---|---|---|---|"
 row "gltfpack -si 0.01" gltfpack
 row "stipple build" stipple-build
 row "f3d, model to picture" f3d
-row "stipple render, model to picture" stipple-render
+row "stipple render, model to picture, one sample" stipple-render
+row "stipple render, model to picture" stipple-render-full
 echo
 echo "Memory is peak resident memory, including mapped files."
