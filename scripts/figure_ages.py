@@ -19,6 +19,7 @@ DRAWING = ["src/draw", "src/raster", "src/select", "src/store"]
 BUILDING = ["src/builder", "src/capture", "src/import", "src/lod", "src/order", "src/scene", "src/store"]
 # What the figures of a command depend on: the first entry that the command begins with.
 ROOMS = {
+    "stipple-lab bench build": BUILDING,
     "stipple-lab bench order": ["src/order"],
     "stipple-lab bench splats": ["src/raster"],
     "stipple-lab bench triangles": ["src/raster"],
