@@ -10,6 +10,8 @@
 #define SIGMAS 1.6         // 19 of 20 frames should stay within OVERSHOOT
 #define OVERSHOOT 1.1      // accepted frame time, relative to the budget
 #define FASTEST_FINER 0.92 // limit on shrinking per frame: shrinking too far makes a frame late
+// the same after a size that was guessed from the list of another place, and may be far too large
+#define GUESSED_FINER 0.4
 // limit on growing per frame: far too large sizes may cost as much as a good one, and then persist
 #define FASTEST_COARSER 1.5
 // Sizes shrink more slowly above this scatter: a view that empties suddenly can fill as suddenly.
@@ -152,6 +154,7 @@ static double find_margin(const stp_budget* b)
 /// `cost` is without effects.
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
+    bool guessed = b->foreseen;
     stp_budget_learn(b, cost);
     b->foreseen = false;
     b->last = *cost;
@@ -159,7 +162,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     b->times[b->frames % STP_BUDGET_RATIOS] = cost->milliseconds;
     b->frames += 1;
     double solved = stp_budget_leave_effects(b, margin);
-    double finer = find_finest(b, margin * stp_budget_time_for_detail(b));
+    double finer = guessed ? GUESSED_FINER : find_finest(b, margin * stp_budget_time_for_detail(b));
     double size = fmax(solved, (double)cost->splat_size * finer);
     size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
     size = try_finer(b, cost, size);

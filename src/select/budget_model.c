@@ -75,12 +75,14 @@ static double price_of(const stp_budget* b, const double terms[STP_BUDGET_TERMS]
     return sum;
 }
 
-/// The counts of a frame like the last one at another size.
-static void predict_terms(const stp_budget* b, double coarseness, double terms[STP_BUDGET_TERMS])
+/// The counts of a frame like the last one, but with so many triangles, at another size.
+static void predict_terms(const stp_budget* b, double triangle_count, double coarseness,
+                          double terms[STP_BUDGET_TERMS])
 {
     const double full = (double)STP_SPLAT_SIZE_COARSEST;
     double factors[STP_BUDGET_TERMS], before[STP_BUDGET_TERMS];
     list_terms(&b->last, terms);
+    terms[2] = triangle_count * units[2];
     assert(coarseness > 0.0);
     double last = b->frames > 0 ? (double)b->last.splat_size : coarseness;
     double finer = stp_mind(last, full) / stp_mind(coarseness, full);
@@ -101,7 +103,7 @@ static void predict_terms(const stp_budget* b, double coarseness, double terms[S
 double stp_budget_predict(const stp_budget* b, double coarseness)
 {
     double terms[STP_BUDGET_TERMS];
-    predict_terms(b, coarseness, terms);
+    predict_terms(b, (double)b->last.triangles, coarseness, terms);
     return b->speed * price_of(b, terms);
 }
 
@@ -120,10 +122,8 @@ double stp_budget_drawn_share(const stp_budget* b)
 double stp_budget_predict_list(const stp_budget* b, double coarseness)
 {
     double terms[STP_BUDGET_TERMS];
-    stp_budget unhidden = *b;
-    unhidden.last.triangles =
-        (uint64_t)(stp_budget_drawn_share(b) * (double)count_listed(&b->last));
-    predict_terms(&unhidden, coarseness, terms);
+    double unhidden = stp_budget_drawn_share(b) * (double)count_listed(&b->last);
+    predict_terms(b, unhidden, coarseness, terms);
     terms[1] = terms[4] = 0.0;
     return b->speed * price_of(b, terms);
 }

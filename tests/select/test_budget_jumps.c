@@ -221,3 +221,25 @@ void test_budget_foresight_is_never_finer(test_state* test)
     }
     CHECK(stp_budget_splat_size(&budget) > 4.0f);
 }
+
+// A size that was chosen from a list alone may be far too large. The frame shows it, and the next
+// size is not bound to the slow pace at which splats shrink otherwise.
+void test_budget_corrects_a_guess_at_once(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, BUDGET_MS);
+    for (int frame = 0; frame < 60; ++frame) {
+        stp_frame_cost cost = run_place(1.5, 0.8, stp_budget_splat_size(&budget), 1.0f);
+        stp_budget_update(&budget, &cost);
+    }
+    float settled = stp_budget_splat_size(&budget);
+    stp_frame_cost listed = run_place(9.0, 0.8, settled, 1.0f);
+    listed.listed_triangles = listed.triangles;
+    listed.fragments = listed.covered_pixels = listed.triangles = 0;
+    stp_budget_foresee(&budget, &listed);
+    float guessed = stp_budget_splat_size(&budget);
+    CHECK(guessed > 2.0f * settled);
+    stp_frame_cost cost = run_place(1.5, 0.8, guessed, 1.0f); // all that was new is hidden
+    stp_budget_update(&budget, &cost);
+    CHECK(stp_budget_splat_size(&budget) < 0.6f * guessed);
+}
