@@ -64,6 +64,19 @@ bool made_gl_begin(made_gl* m, bool one, bool* failed)
     return made_gl_begin_with(m, one ? add_sheet : add_sheets, NULL, NULL, failed);
 }
 
+bool made_gl_begin_or_skip(test_state* test, made_gl* m, void (*add)(made_picture* p),
+                           const stp_draw_gl_desc* settings, test_heap* heap)
+{
+    bool failed;
+    if (made_gl_begin_with(m, add, settings, heap, &failed)) {
+        return true;
+    }
+    made_gl_end(m);
+    CHECK(!failed);
+    test->skipped = "there is no OpenGL";
+    return false;
+}
+
 stp_result made_gl_draw(made_gl* m)
 {
     made_picture* p = &m->picture;

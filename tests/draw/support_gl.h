@@ -22,6 +22,10 @@ bool made_gl_begin(made_gl* m, bool one, bool* failed);
 /// default ones; its function loader is ignored), and memory from `heap`.
 bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
                         test_heap* heap, bool* failed);
+/// The same for a whole test: fails it on failure. @return false if there is no OpenGL: then nothing
+/// is left, and the test is marked as skipped
+bool made_gl_begin_or_skip(test_state* test, made_gl* m, void (*add)(made_picture* p),
+                           const stp_draw_gl_desc* settings, test_heap* heap);
 /// Destroys the renderer and creates another.
 stp_result made_gl_renew(made_gl* m, const stp_draw_gl_desc* settings);
 /// Draws with OpenGL into `pixels`; fails on a debug message about an error.

@@ -49,16 +49,9 @@ static void add_sheets(made_picture* p)
 
 static bool begin(test_state* test, made_gl* m, void (*add)(made_picture* p))
 {
-    bool failed;
     wave = (made_mesh){0};
     coded = (stp_coded_mesh){0};
-    if (made_gl_begin_with(m, add, NULL, NULL, &failed)) {
-        return true;
-    }
-    made_gl_end(m);
-    CHECK(!failed);
-    test->skipped = "there is no OpenGL";
-    return false;
+    return made_gl_begin_or_skip(test, m, add, NULL, NULL);
 }
 
 /// Compares the shares of all clusters with those computed one by one. @return how many are drawn

@@ -29,18 +29,6 @@ static void compare(test_state* test, made_gl* m)
     CHECK(different <= PIXELS / 100);
 }
 
-static bool begin(test_state* test, made_gl* m, void (*add)(made_picture* p))
-{
-    bool failed;
-    if (made_gl_begin_with(m, add, NULL, NULL, &failed)) {
-        return true;
-    }
-    made_gl_end(m);
-    CHECK(!failed);
-    test->skipped = "there is no OpenGL";
-    return false;
-}
-
 void test_gl_pictures_match_the_cpu_in_every_style(test_state* test)
 {
     static const stp_draw_style styles[] = {
@@ -56,7 +44,7 @@ void test_gl_pictures_match_the_cpu_in_every_style(test_state* test)
         {.pixel_filter = true, .supersample = 2},
     };
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     m.picture.quality.splat_size = 3;
@@ -70,7 +58,7 @@ void test_gl_pictures_match_the_cpu_in_every_style(test_state* test)
 void test_gl_pictures_have_two_eyes(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     m.picture.view.eye_distance = 0.4;
@@ -90,7 +78,7 @@ void test_gl_pictures_have_two_eyes(test_state* test)
 void test_gl_pictures_accumulate(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m.pixels};
@@ -138,7 +126,7 @@ static void compare_list(test_state* test, made_gl* m)
 void test_gl_pictures_have_sections_and_ghosts(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     made_picture* p = &m.picture;
@@ -213,7 +201,7 @@ static void add_materials(made_picture* p)
 void test_gl_pictures_have_materials(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, add_materials)) {
+    if (!made_gl_begin_or_skip(test, &m, add_materials, NULL, NULL)) {
         return;
     }
     compare(test, &m);
@@ -257,7 +245,7 @@ void test_gl_textures_from_small_files_fit_one_page(test_state* test)
 {
     made_gl m;
     png = NULL;
-    if (!begin(test, &m, add_flat_texture)) {
+    if (!made_gl_begin_or_skip(test, &m, add_flat_texture, NULL, NULL)) {
         return;
     }
     CHECK(m.picture.scene.texture_count == 1);
@@ -282,7 +270,7 @@ void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* t
 {
     static const stp_filter filters[] = {STP_FILTER_NONE, STP_FILTER_EWA, STP_FILTER_BLEND};
     made_gl m;
-    if (!begin(test, &m, add_all_kinds)) {
+    if (!made_gl_begin_or_skip(test, &m, add_all_kinds, NULL, NULL)) {
         return;
     }
     m.picture.view.eye_distance = 0.3;
@@ -342,7 +330,7 @@ void test_gl_pictures_have_clusters(test_state* test)
     made_gl m;
     wave = (made_mesh){0};
     coded = (stp_coded_mesh){0};
-    if (begin(test, &m, add_clusters)) {
+    if (made_gl_begin_or_skip(test, &m, add_clusters, NULL, NULL)) {
         compare(test, &m);
         m.picture.view.fov_degrees = 12; // some clusters are outside
         compare(test, &m);
@@ -390,7 +378,7 @@ static void add_points(made_picture* p)
 void test_gl_pictures_have_points(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, add_points)) {
+    if (!made_gl_begin_or_skip(test, &m, add_points, NULL, NULL)) {
         return;
     }
     compare(test, &m);
@@ -402,7 +390,7 @@ void test_gl_pictures_have_points(test_state* test)
 void test_gl_pictures_have_ghosts_of_points(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, add_points)) {
+    if (!made_gl_begin_or_skip(test, &m, add_points, NULL, NULL)) {
         return;
     }
     made_picture* p = &m.picture;
@@ -417,7 +405,7 @@ void test_gl_pictures_have_ghosts_of_points(test_state* test)
 void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     made_picture* p = &m.picture;
@@ -458,7 +446,7 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
 void test_gl_depth_matches_the_cpu(test_state* test)
 {
     made_gl m;
-    if (!begin(test, &m, NULL)) {
+    if (!made_gl_begin_or_skip(test, &m, NULL, NULL, NULL)) {
         return;
     }
     for (int eyes = 1; eyes <= 2; ++eyes) {
